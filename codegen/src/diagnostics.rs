@@ -39,6 +39,12 @@ impl Diagnostics {
         self.errors.push(syn::Error::new(span, message));
     }
 
+    /// The same as [`push`](Self::push) where nothing can be made of the construct.
+    pub fn fail<T>(&mut self, tokens: impl ToTokens, message: impl Display) -> Option<T> {
+        self.push(tokens, message);
+        None
+    }
+
     /// A problem found by syn.
     pub fn absorb(&mut self, error: syn::Error) {
         self.errors.push(error);
@@ -85,6 +91,18 @@ impl Diagnostics {
     /// The problems as invocations of `compile_error!`, each of which can stand for an item or a type.
     pub fn into_compile_errors(self) -> Vec<TokenStream> {
         self.errors.into_iter().flatten().map(|error| error.to_compile_error()).collect()
+    }
+}
+
+/// A parser's result with a message of ours.
+pub(crate) trait Explained {
+    /// The same, with this message in the place of syn's own at the same tokens.
+    fn explained(self, message: impl Display) -> Self;
+}
+
+impl<T> Explained for syn::Result<T> {
+    fn explained(self, message: impl Display) -> Self {
+        self.map_err(|error| syn::Error::new(error.span(), message))
     }
 }
 

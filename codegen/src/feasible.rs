@@ -1,7 +1,5 @@
 //! Rules for what a description asks of the derivation: how much there may be of it, and which inverses it needs.
 
-use proc_macro2::Ident;
-
 use crate::check::Description;
 use crate::diagnostics::Diagnostics;
 use crate::expr::Arena;
@@ -11,30 +9,18 @@ use crate::parse::{Attribute, EnergyKey, Item};
 
 /// Reports that a system has too many parameters. `None` if so.
 pub(crate) fn sizes(description: &Description<'_>, diagnostics: &mut Diagnostics) -> Option<()> {
-    let before = diagnostics.len();
-    let fields = description
-        .parameters
-        .iter()
-        .map(|field| (&field.name, field.shape.size() * field.length.unwrap_or(1)));
-    let controls = description
-        .controls
-        .iter()
-        .map(|control| (&control.name, control.shape.size() * control.length.unwrap_or(1)));
-    if let Some(name) = beyond(COMPONENTS, fields.chain(controls)) {
-        let message = format!("fields and controls may have {COMPONENTS} numbers together at most");
-        diagnostics.push(name, message);
-    }
-    (diagnostics.len() == before).then_some(())
-}
-
-/// The first with which the sum of the sizes is larger than it may be.
-fn beyond<'n>(bound: usize, sizes: impl Iterator<Item = (&'n Ident, usize)>) -> Option<&'n Ident> {
+    let fields = description.item.fields.iter().map(|field| (&field.name, field.shape, field.length));
+    let controls =
+        description.attribute.controls.iter().map(|control| (&control.name, control.shape, control.length));
     let mut sum = 0;
-    let mut sizes = sizes.map(|(name, size)| {
-        sum += size;
-        (name, sum)
-    });
-    sizes.find(|&(_, sum)| sum > bound).map(|(name, _)| name)
+    for (name, shape, length) in fields.chain(controls) {
+        sum += shape.size() * length.unwrap_or(1);
+        if sum > COMPONENTS {
+            let message = format!("fields and controls may have {COMPONENTS} numbers together at most");
+            return diagnostics.fail(name, message);
+        }
+    }
+    Some(())
 }
 
 /// Reports that there was too much to derive, or with numbers beyond `f64`, at the expression that most of it comes
@@ -58,10 +44,9 @@ pub(crate) fn derived(
     // of several the whole one is meant, and that comes last
     let energy = EnergyKey::ALL.into_iter().rev().find_map(|key| attribute.energy(key));
     match energy.or(attribute.forces.first().map(|force| &force.value)) {
-        Some(expression) => diagnostics.push(expression, message),
-        None => diagnostics.push(&item.name, message),
+        Some(expression) => diagnostics.fail(expression, message),
+        None => diagnostics.fail(&item.name, message),
     }
-    None
 }
 
 /// Reports a Lagrangian without a velocity for each momentum, and tangent lifts without a momentum for each velocity.
@@ -74,19 +59,14 @@ pub(crate) fn legendre(
     let [hamiltonian, lagrangian] =
         [EnergyKey::Hamiltonian, EnergyKey::Lagrangian].map(|key| attribute.energy(key));
     if let (Some(lagrangian), Relation::Singular) = (lagrangian, system.velocity_relation()) {
-        if system
-            .sources
-            .energies
-            .iter()
-            .any(|source| source.key == EnergyKey::Lagrangian && !source.has_meaning)
-        {
+        let mut sources = system.sources.energies.iter();
+        if sources.any(|source| source.key == EnergyKey::Lagrangian && !source.has_meaning) {
             // what is wrong with it was reported, and stands for nothing
             return None;
         }
         let message = "the second derivative of this by the velocity is singular, so that no velocity belongs to a momentum; \
                        each component of the velocity needs a kinetic energy";
-        diagnostics.push(lagrangian, message);
-        return None;
+        return diagnostics.fail(lagrangian, message);
     }
     let needing =
         attribute.methods.iter().find_map(|rule| Some((rule.method.name, rule.method.needs_momentum?)));
@@ -97,8 +77,7 @@ pub(crate) fn legendre(
             "the second derivative of this by the momentum is singular, so that no momentum belongs to a velocity, as {who} \
              need it; leave out `{method}`"
         );
-        diagnostics.push(hamiltonian, message);
-        return None;
+        return diagnostics.fail(hamiltonian, message);
     }
     Some(())
 }

@@ -29,6 +29,8 @@ pub mod program;
 pub mod quantity;
 pub mod scheme;
 
+use std::collections::BTreeSet;
+
 use proc_macro2::TokenStream;
 use quote::quote;
 
@@ -36,7 +38,6 @@ use diagnostics::Diagnostics;
 use emit::{Expansion, Names};
 use expr::Arena;
 use group::Retraction;
-use lie_group::Answer;
 pub use lie_group::lie_group;
 use model::System;
 use parse::{Attribute, Definition, Item};
@@ -53,9 +54,7 @@ pub fn lie_poisson_system(attribute: TokenStream, item: TokenStream) -> TokenStr
 /// The whole of what the macro of a user's own group calls, with the definition that it hands back.
 pub fn lie_poisson_system_with(input: TokenStream) -> TokenStream {
     match lie_group::answer(input) {
-        Ok(Answer { definitions, known, attribute, item }) => {
-            expand_with(attribute, item, definitions, &known)
-        }
+        Ok((definitions, [known, attribute, item])) => expand_with(attribute, item, definitions, &known),
         Err(error) => error.into_compile_error(),
     }
 }
@@ -87,11 +86,7 @@ fn expand_with(
 /// # Errors
 /// All problems of the description, each at its tokens.
 pub fn expand(attribute: TokenStream, item: TokenStream) -> syn::Result<Expansion> {
-    let mut diagnostics = Diagnostics::new();
-    let attribute = Attribute::parse(attribute, &method::known(), &mut diagnostics);
-    let expansion = compile(&attribute, item, &mut diagnostics, emit_rust);
-    diagnostics.finish()?;
-    expansion.ok_or_else(no_expansion)
+    compiled(attribute, item, emit_rust)
 }
 
 /// The program of a description without problems: the start of an emitter.
@@ -99,15 +94,20 @@ pub fn expand(attribute: TokenStream, item: TokenStream) -> syn::Result<Expansio
 /// # Errors
 /// All problems of the description, each at its tokens.
 pub fn program(attribute: TokenStream, item: TokenStream) -> syn::Result<Program> {
-    let mut diagnostics = Diagnostics::new();
-    let attribute = Attribute::parse(attribute, &method::known(), &mut diagnostics);
-    let program = compile(&attribute, item, &mut diagnostics, |program, _, _, _| program);
-    diagnostics.finish()?;
-    program.ok_or_else(no_expansion)
+    compiled(attribute, item, |program, _, _, _| program)
 }
 
-fn no_expansion() -> syn::Error {
-    syn::Error::new(proc_macro2::Span::call_site(), "there is nothing to expand")
+/// What is made of the program of a description without problems.
+fn compiled<R>(
+    attribute: TokenStream,
+    item: TokenStream,
+    emit: impl FnOnce(Program, &System<'_>, &Attribute, &Item) -> R,
+) -> syn::Result<R> {
+    let mut diagnostics = Diagnostics::new();
+    let attribute = Attribute::parse(attribute, &method::known(), &mut diagnostics);
+    let made = compile(&attribute, item, &mut diagnostics, emit);
+    diagnostics.finish()?;
+    made.ok_or_else(|| syn::Error::new(proc_macro2::Span::call_site(), "there is nothing to expand"))
 }
 
 /// A program as Rust.
@@ -161,11 +161,9 @@ fn retractions(system: &System<'_>, named: &[Retraction]) -> Vec<Retraction> {
 /// The retractions that states are displaced along: the exponential, which certificates define the others by, and those
 /// of the schemes.
 fn displacing(schemes: &[(Scheme, Vec<Scheme>)]) -> Vec<Retraction> {
-    let of_schemes = schemes.iter().map(|(scheme, _)| scheme.retraction);
-    let mut retractions: Vec<Retraction> = [Retraction::Exponential].into_iter().chain(of_schemes).collect();
-    retractions.sort_unstable();
-    retractions.dedup();
-    retractions
+    let mut retractions = BTreeSet::from([Retraction::Exponential]);
+    retractions.extend(schemes.iter().map(|(scheme, _)| scheme.retraction));
+    retractions.into_iter().collect()
 }
 
 /// The schemes to generate: the members of the family that the bare retractions stand for, and what is asked for; each

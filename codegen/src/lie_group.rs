@@ -16,7 +16,7 @@ use syn::parse::{ParseStream, Parser};
 use syn::{LitStr, Token, Visibility};
 
 use crate::check::groups;
-use crate::diagnostics::Diagnostics;
+use crate::diagnostics::{Diagnostics, Explained};
 use crate::limits;
 use crate::parse::{Attribute, Definition, Group, group, nested};
 
@@ -60,18 +60,12 @@ fn declarations(input: ParseStream<'_>) -> syn::Result<Vec<Declaration>> {
     while !input.is_empty() {
         let (attributes, visibility) = (input.call(syn::Attribute::parse_outer)?, input.parse()?);
         let example = "write `lie_group! { pub Shears = matrices { x: [0, 1; 0, 0] } }`";
-        let name: Ident = input
-            .parse()
-            .map_err(|error| syn::Error::new(error.span(), format!("expected a name; {example}")))?;
-        input
-            .parse::<Token![=]>()
-            .map_err(|error| syn::Error::new(error.span(), format!("expected `=`; {example}")))?;
+        let name: Ident = input.parse().explained(format!("expected a name; {example}"))?;
+        input.parse::<Token![=]>().explained(format!("expected `=`; {example}"))?;
         let (tokens, group) = definition(input)?;
         all.push(Declaration { attributes, visibility, name, group, tokens });
         if !input.is_empty() {
-            input
-                .parse::<Token![;]>()
-                .map_err(|error| syn::Error::new(error.span(), "expected `;` between groups"))?;
+            input.parse::<Token![;]>().explained("expected `;` between groups")?;
         }
     }
     Ok(all)
@@ -131,20 +125,12 @@ pub(crate) fn request_definition(
     })
 }
 
-/// What a group's macro hands back: the definitions, also as tokens, the attribute's tokens, and the item.
-pub(crate) struct Answer {
-    pub(crate) definitions: Vec<Definition>,
-    pub(crate) known: TokenStream,
-    pub(crate) attribute: TokenStream,
-    pub(crate) item: TokenStream,
-}
-
-/// Reads what a group's macro hands back.
-pub(crate) fn answer(input: TokenStream) -> syn::Result<Answer> {
+/// Reads what a group's macro hands back: the definitions, and the tokens of these, of the attribute and of the item.
+pub(crate) fn answer(input: TokenStream) -> syn::Result<(Vec<Definition>, [TokenStream; 3])> {
     let read = |input: ParseStream<'_>| {
         let part = || input.parse::<Tokens>().map(|group| group.stream());
         let (known, attribute, item) = (part()?, part()?, part()?);
-        Ok(Answer { definitions: definitions.parse2(known.clone())?, known, attribute, item })
+        Ok((definitions.parse2(known.clone())?, [known, attribute, item]))
     };
     read.parse2(input)
 }

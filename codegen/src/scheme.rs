@@ -1,5 +1,7 @@
 //! What a step is made by: the names of methods, as users write them and as generated code has them.
 
+use num_rational::Ratio;
+
 use crate::expr::Number;
 pub use crate::group::Retraction;
 
@@ -105,11 +107,8 @@ impl Member {
         if denominator == 0 || numerator > denominator {
             return None;
         }
-        let (mut a, mut b) = (numerator, denominator);
-        while b != 0 {
-            (a, b) = (b, a % b);
-        }
-        Some(Self { numerator: numerator / a, denominator: denominator / a })
+        let (numerator, denominator) = Ratio::new(numerator, denominator).into_raw();
+        Some(Self { numerator, denominator })
     }
 
     /// `s`

@@ -115,14 +115,42 @@ fn put<N: Scalar>(places: &mut [N], place: usize, value: N) {
     }
 }
 
+/// The kinds of terms. `codegen/src/emit/bytes.rs` has this module too, to the letter.
+mod kind {
+    pub(super) const NUMBER: u8 = 0;
+    pub(super) const VALUE: u8 = 1;
+    pub(super) const NEGATIVE: u8 = 2;
+    pub(super) const SUM: u8 = 3;
+    pub(super) const PRODUCT: u8 = 4;
+    pub(super) const MUL_ADD: u8 = 5;
+    pub(super) const NEG_MUL_ADD: u8 = 6;
+    pub(super) const QUOTIENT: u8 = 7;
+    pub(super) const POWER: u8 = 8;
+    pub(super) const ATAN2: u8 = 9;
+    pub(super) const SQRT: u8 = 10;
+    pub(super) const EXP: u8 = 11;
+    pub(super) const LN: u8 = 12;
+    pub(super) const SIN: u8 = 13;
+    pub(super) const COS: u8 = 14;
+    pub(super) const TAN: u8 = 15;
+    pub(super) const ASIN: u8 = 16;
+    pub(super) const ACOS: u8 = 17;
+    pub(super) const ATAN: u8 = 18;
+    pub(super) const SINH: u8 = 19;
+    pub(super) const COSH: u8 = 20;
+    pub(super) const TANH: u8 = 21;
+    pub(super) const RECIP_OR_ZERO: u8 = 22;
+    pub(super) const ANGLE_OVER_SINE: u8 = 23;
+}
+
 /// The value of a term, operation by operation as it is compiled.
 fn term<N: Scalar>(code: &mut Code, places: &[N]) -> N {
     let kind = code.byte();
     match kind {
-        0 => N::of(code.number()),
-        1 => places.get(code.count()).copied().unwrap_or(N::of(0.0)),
-        2 => -term(code, places),
-        3 => {
+        kind::NUMBER => N::of(code.number()),
+        kind::VALUE => places.get(code.count()).copied().unwrap_or(N::of(0.0)),
+        kind::NEGATIVE => -term(code, places),
+        kind::SUM => {
             let count = code.count();
             let mut sum = addend(code, places).1;
             for _ in 1..count {
@@ -133,7 +161,7 @@ fn term<N: Scalar>(code: &mut Code, places: &[N]) -> N {
             }
             sum
         }
-        4 => {
+        kind::PRODUCT => {
             let count = code.count();
             let mut product = term(code, places);
             for _ in 1..count {
@@ -141,20 +169,20 @@ fn term<N: Scalar>(code: &mut Code, places: &[N]) -> N {
             }
             product
         }
-        5 | 6 => {
+        kind::MUL_ADD | kind::NEG_MUL_ADD => {
             let (a, b) = (term(code, places), term(code, places));
             let addend = term(code, places);
-            if kind == 5 { a.mul_add(b, addend) } else { a.neg_mul_add(b, addend) }
+            if kind == kind::MUL_ADD { a.mul_add(b, addend) } else { a.neg_mul_add(b, addend) }
         }
-        7..10 => {
+        kind::QUOTIENT | kind::POWER | kind::ATAN2 => {
             let (x, y) = (term(code, places), term(code, places));
             match kind {
-                7 => x / y,
-                8 => x.powf(y),
+                kind::QUOTIENT => x / y,
+                kind::POWER => x.powf(y),
                 _ => x.atan2(y),
             }
         }
-        23 => {
+        kind::ANGLE_OVER_SINE => {
             let order = code.count();
             angle_over_sine(order, term(code, places))
         }
@@ -183,19 +211,21 @@ fn addend<N: Scalar>(code: &mut Code, places: &[N]) -> (bool, N) {
 /// Functions of one number.
 fn elementary<N: Scalar>(kind: u8, x: N) -> N {
     match kind {
-        10 => x.sqrt(),
-        11 => x.exp(),
-        12 => x.ln(),
-        13 => x.sin(),
-        14 => x.cos(),
-        15 => x.tan(),
-        16 => x.asin(),
-        17 => x.acos(),
-        18 => x.atan(),
-        19 => x.sinh(),
-        20 => x.cosh(),
-        21 => x.tanh(),
-        _ => x.recip_or_zero(),
+        kind::SQRT => x.sqrt(),
+        kind::EXP => x.exp(),
+        kind::LN => x.ln(),
+        kind::SIN => x.sin(),
+        kind::COS => x.cos(),
+        kind::TAN => x.tan(),
+        kind::ASIN => x.asin(),
+        kind::ACOS => x.acos(),
+        kind::ATAN => x.atan(),
+        kind::SINH => x.sinh(),
+        kind::COSH => x.cosh(),
+        kind::TANH => x.tanh(),
+        kind::RECIP_OR_ZERO => x.recip_or_zero(),
+        // the bytes of no generator
+        _ => x,
     }
 }
 

@@ -47,8 +47,7 @@ impl<'d> Resolver<'d> {
         let parse::Space::Named(keyword) = &written.space else {
             let message =
                 format!("which factor acts on `{}`? Write {}", written.name, self.example(written, 0));
-            diagnostics.push(written.space.keyword(), message);
-            return None;
+            return diagnostics.fail(written.space.keyword(), message);
         };
         let acting: Vec<(usize, &'static dyn Representation)> = candidates
             .clone()
@@ -58,24 +57,18 @@ impl<'d> Resolver<'d> {
             &[(factor, space)] => Some(vec![Advected { name, written, factor, space }]),
             [] => {
                 let groups: Vec<_> = candidates.map(|factor| self.factors[factor].group).collect();
-                diagnostics.push(keyword, nothing_acts(&groups, &wanted));
-                None
+                diagnostics.fail(keyword, nothing_acts(&groups, &wanted))
             }
             &[(first, _), ..] => {
                 let names = acting.iter().map(|&(factor, _)| &self.factors[factor].name);
                 let names: Vec<String> =
                     names.filter(|name| name.is_first()).map(|name| name.ident.to_string()).collect();
-                let example = self.example(written, first);
-                let message = match names.as_slice() {
-                    [array] => format!("which of `{array}` acts on `{}`? Write {example}", written.name),
-                    _ => format!(
-                        "which factor acts on `{}`, {}? Write {example}",
-                        written.name,
-                        names.join(" or ")
-                    ),
+                let (name, example, all) = (&written.name, self.example(written, first), names.join(" or "));
+                let message = match names.len() {
+                    1 => format!("which of `{all}` acts on `{name}`? Write {example}"),
+                    _ => format!("which factor acts on `{name}`, {all}? Write {example}"),
                 };
-                diagnostics.push(keyword, message);
-                None
+                diagnostics.fail(keyword, message)
             }
         }
     }
@@ -99,10 +92,10 @@ impl<'d> Resolver<'d> {
         let one = format!("`{name}: {}::{space}`", factor.written());
         match factor.place {
             None => one,
-            Some(_) => format!(
-                "{one} for one of them, `{name}: {}::{space}` for an array with one each",
-                factor.ident
-            ),
+            Some(_) => {
+                let all = &factor.ident;
+                format!("{one} for one of them, `{name}: {all}::{space}` for an array with one each")
+            }
         }
     }
 }

@@ -15,7 +15,8 @@ use crate::quantity::Shape;
 impl<'d> Resolver<'d> {
     /// The inertias: each factor has exactly one, unless a Hamiltonian or a Lagrangian says what the energy is.
     pub(super) fn inertias(&self, diagnostics: &mut Diagnostics) -> Vec<Inertia> {
-        if self.groups_are_known() {
+        let groups_are_known = self.groups_are_known();
+        if groups_are_known {
             self.check_named_factors(diagnostics);
         }
         if !self.attribute.has_whole_energy() {
@@ -29,6 +30,7 @@ impl<'d> Resolver<'d> {
                 (true, length) => {
                     square(field, n, diagnostics).map(|()| vec![Vec::new(); length.unwrap_or(1)])
                 }
+                (false, _) if !groups_are_known => None,
                 (false, None) => self.inertia_blocks(field, mark, n, diagnostics).map(|blocks| vec![blocks]),
                 (false, Some(length)) => self.inertia_of_each(field, length, mark, n, diagnostics),
             };
@@ -140,9 +142,6 @@ impl<'d> Resolver<'d> {
         n: Option<usize>,
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<Vec<usize>>> {
-        if !self.groups_are_known() {
-            return None;
-        }
         let factors = self.marked_factors(mark);
         let groups: Vec<&dyn Group> = factors.iter().map(|&factor| self.factors[factor].group).collect();
         let (first, others) = groups.split_first()?;
@@ -170,8 +169,7 @@ impl<'d> Resolver<'d> {
              or a scalar, but this is {}{each}",
             field.shape.describe()
         );
-        diagnostics.push(&field.ty, message);
-        None
+        diagnostics.fail(&field.ty, message)
     }
 
     /// The elements of an array are the inertias of as many factors, in their order; `n` is the dimension of each, if
@@ -184,31 +182,23 @@ impl<'d> Resolver<'d> {
         n: Option<usize>,
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<Vec<Vec<usize>>>> {
-        if !self.groups_are_known() {
-            return None;
-        }
         let factors = self.marked_factors(mark);
         if factors.len() != length {
+            let (name, count) = (&field.name, factors.len());
             let message = format!(
-                "`{}` is an array of {length}, but it is the inertia of {} factors, one of each",
-                field.name,
-                factors.len()
+                "`{name}` is an array of {length}, but it is the inertia of {count} factors, one of each"
             );
-            diagnostics.push(&field.ty, message);
-            return None;
+            return diagnostics.fail(&field.ty, message);
         }
         let groups = factors.iter().map(|&factor| self.factors[factor].group);
         let mut others = groups.filter(|group| field.shape != Shape::Scalar && n != Some(group.dimension()));
         if let Some(group) = others.next() {
-            let d = group.dimension();
+            let (name, d, found) = (group.name(), group.dimension(), field.shape.describe());
             let message = format!(
-                "`{}` has dimension {d}, so its inertia is a vector of {d} (principal moments), a {d}×{d} matrix or a \
-                 scalar, but each of these is {}",
-                group.name(),
-                field.shape.describe()
+                "`{name}` has dimension {d}, so its inertia is a vector of {d} (principal moments), a {d}×{d} matrix or a \
+                 scalar, but each of these is {found}"
             );
-            diagnostics.push(&field.ty, message);
-            return None;
+            return diagnostics.fail(&field.ty, message);
         }
         Some(factors.into_iter().map(|factor| vec![vec![factor]]).collect())
     }
@@ -230,7 +220,6 @@ fn square(field: &Field, n: Option<usize>, diagnostics: &mut Diagnostics) -> Opt
         return Some(());
     }
     let found = field.shape.describe();
-    diagnostics
-        .push(&field.ty, format!("an inertia is a scalar, a vector or a square matrix, but this is {found}"));
-    None
+    let message = format!("an inertia is a scalar, a vector or a square matrix, but this is {found}");
+    diagnostics.fail(&field.ty, message)
 }

@@ -14,40 +14,27 @@ use quote::format_ident;
 use syn::ext::IdentExt;
 
 use crate::diagnostics::Diagnostics;
-use crate::group::{Group, Representation, Side};
-use crate::identifiers::{Name, plain};
-use crate::parse::{self, Attribute, EnergyKey, Field, Item};
-use crate::quantity::ScalarType;
+use crate::group::{Group, Representation};
+use crate::identifiers::Name;
+use crate::parse::{self, Attribute, Item};
 
 /// A description, resolved: parts refer to each other by index.
 ///
 /// What is in error, which was reported, is left out, and [`is_sound`](Self::is_sound) says so; the expressions are
 /// there all the same, for the sake of problems in them.
 pub struct Description<'d> {
-    /// The user's name for the system.
-    pub name: String,
-    /// The numbers that it is made of.
-    pub scalar: ScalarType,
-    /// The struct's fields.
-    pub parameters: &'d [Field],
+    /// What the attribute says.
+    pub attribute: &'d Attribute,
+    /// The struct.
+    pub item: &'d Item,
     /// The factors of the configuration's group.
     pub factors: Vec<Factor>,
     /// The advected parameters, in the order declared.
     pub advected: Vec<Advected<'d>>,
-    /// The controls.
-    pub controls: &'d [parse::Control],
     /// The fields marked `#[inertia]`.
     pub inertias: Vec<Inertia>,
-    /// The energies.
-    pub energies: &'d [(EnergyKey, syn::Expr)],
     /// The forces on momenta.
     pub forces: Vec<Force<'d>>,
-    /// Where momentum and velocity are taken.
-    pub side: Side,
-    /// The units of state and controls.
-    pub units: &'d [parse::Unit],
-    /// The struct's attributes that set the levels of lints.
-    pub lints: &'d [syn::Attribute],
     /// Names whose declarations are in error: using them is no further error.
     pub unknown: Vec<String>,
     sound: bool,
@@ -127,11 +114,6 @@ impl Factors {
 }
 
 impl Description<'_> {
-    /// The energy of a key.
-    pub fn energy(&self, key: EnergyKey) -> Option<&syn::Expr> {
-        self.energies.iter().find(|(known, _)| *known == key).map(|(_, energy)| energy)
-    }
-
     /// Whether the description has a meaning, but for problems in its expressions.
     pub fn is_sound(&self) -> bool {
         self.sound
@@ -150,27 +132,15 @@ pub fn resolve<'d>(
     let inertias = resolver.inertias(diagnostics);
     let advected = resolver.advected(diagnostics);
     resolver.check_retractions(&advected, diagnostics);
-    resolver.check_names(&advected, diagnostics);
+    resolver.names_are_free(&advected, diagnostics);
+    resolver.names_are_distinct(diagnostics);
     let forces = resolver.forces(diagnostics);
     resolver.check_scalars(diagnostics);
     resolver.check_units(&advected, diagnostics);
     let unknown = resolver.unknown_names(&advected);
-    Description {
-        name: plain(&item.name),
-        scalar: item.scalar(),
-        parameters: &item.fields,
-        factors: resolver.into_factors(),
-        advected,
-        controls: &attribute.controls,
-        inertias,
-        energies: &attribute.energies,
-        forces,
-        lints: &item.lints,
-        units: &attribute.units,
-        side: if attribute.right { Side::Right } else { Side::Left },
-        unknown,
-        sound: attribute.is_sound() && item.sound && diagnostics.len() == before,
-    }
+    let sound = attribute.is_sound() && item.sound && diagnostics.len() == before;
+    let factors = resolver.factors;
+    Description { attribute, item, factors, advected, inertias, forces, unknown, sound }
 }
 
 /// The name of a factor's momentum.

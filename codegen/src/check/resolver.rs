@@ -40,8 +40,7 @@ impl<'d> Resolver<'d> {
             dimension += group.dimension() * factor.length.unwrap_or(1);
             if dimension > DIMENSION {
                 let name = factor.name.as_ref().unwrap_or_else(|| factor.group.keyword());
-                diagnostics.push(name, format!("a system may have dimension {DIMENSION} at most"));
-                return None;
+                return diagnostics.fail(name, format!("a system may have dimension {DIMENSION} at most"));
             }
             Some(group)
         };
@@ -54,17 +53,13 @@ impl<'d> Resolver<'d> {
             declared_factors.push(start..factors.len());
         }
         if attribute.factors.is_empty() && !attribute.has(Key::Group) {
+            let example = Key::Group.example();
             let message = format!(
-                "the group of the configuration is missing; write `#[lie_poisson_system({}, …)]`",
-                Key::Group.example()
+                "the group of the configuration is missing; write `#[lie_poisson_system({example}, …)]`"
             );
             diagnostics.push_at(Span::call_site(), message);
         }
         Self { attribute, item, groups, factors, declared_factors }
-    }
-
-    pub(super) fn into_factors(self) -> Vec<Factor> {
-        self.factors
     }
 
     /// Whether all factors' groups are known, so that something can be missing.

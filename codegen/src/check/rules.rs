@@ -98,14 +98,8 @@ impl<'d> Resolver<'d> {
         }
     }
 
-    /// No two things have the same name.
-    pub(super) fn check_names(&self, advected: &[Advected<'d>], diagnostics: &mut Diagnostics) {
-        self.names_are_free(advected, diagnostics);
-        self.names_are_distinct(diagnostics);
-    }
-
     /// Parameters do not take names that mean something else.
-    fn names_are_free(&self, advected: &[Advected<'d>], diagnostics: &mut Diagnostics) {
+    pub(super) fn names_are_free(&self, advected: &[Advected<'d>], diagnostics: &mut Diagnostics) {
         let elements = self.elements(advected);
         let mut reserved: Vec<(String, &str)> =
             vec![("t".to_owned(), "the time"), ("time".to_owned(), "the time")];
@@ -130,10 +124,8 @@ impl<'d> Resolver<'d> {
                     format!("`{name}` is what tables call `{}`; choose another name", element.written());
                 diagnostics.push(name, message);
             } else if name.to_string().starts_with("__") {
-                diagnostics.push(
-                    name,
-                    "names that begin with `__` belong to the generated code; choose another name",
-                );
+                let message = "names that begin with `__` belong to the generated code; choose another name";
+                diagnostics.push(name, message);
             }
         }
     }
@@ -149,14 +141,13 @@ impl<'d> Resolver<'d> {
     }
 
     /// An expression can tell everything that has a name from everything else.
-    fn names_are_distinct(&self, diagnostics: &mut Diagnostics) {
+    pub(super) fn names_are_distinct(&self, diagnostics: &mut Diagnostics) {
         let declared = self.declared();
         for (i, (name, what)) in declared.iter().enumerate() {
             if self.field_names().any(|field| field == *name) {
-                let message = format!(
-                    "`{name}` is also a field of `{}`; {what} needs a name of its own",
-                    self.item.name
-                );
+                let system = &self.item.name;
+                let message =
+                    format!("`{name}` is also a field of `{system}`; {what} needs a name of its own");
                 diagnostics.push(name, message);
             }
             if let Some((_, other)) =
@@ -181,8 +172,7 @@ impl<'d> Resolver<'d> {
             let again = |factors: &Factors| factors.indices().any(|factor| acted.contains(&factor));
             let factors = match (factors, &force.factor) {
                 (Ok(factors), Some(name)) if again(&factors) => {
-                    diagnostics.push(name, "a force acts on this already; add one to the other");
-                    None
+                    diagnostics.fail(name, "a force acts on this already; add one to the other")
                 }
                 (Ok(factors), _) => Some(factors),
                 (Err(error), _) => {

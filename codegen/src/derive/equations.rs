@@ -1,7 +1,7 @@
 //! The equations of motion as text, for documentation.
 
 use crate::expr::{Formulas, gradient};
-use crate::group::{EquationNames, EquationTerm, Equations, Representation, Semidirect, Side};
+use crate::group::{EquationNames, Equations, Representation, Semidirect, Side};
 use crate::limits::FORMULAS;
 use crate::model::{Energy, Factor, InertiaField, System};
 
@@ -27,17 +27,15 @@ fn energy(system: &System<'_>) -> &'static str {
 
 /// The velocities by the momenta, or Legendre's transform: the momenta by the velocities, and the energy.
 fn velocities(system: &System<'_>) -> Vec<String> {
-    let names = |factor: &Factor<'_>| (factor.velocity_name(), factor.momentum_name.plain());
+    let each = |relation: fn(&str, &str) -> String| -> Vec<String> {
+        let factors = system.factors.iter();
+        factors.map(|factor| relation(&factor.velocity_name(), &factor.momentum_name.plain())).collect()
+    };
     match &system.energy {
-        Energy::Hamiltonian(_) => {
-            let by_momentum = |(velocity, momentum)| format!("{velocity} = ∂h/∂{momentum}");
-            system.factors.iter().map(names).map(by_momentum).collect()
-        }
+        Energy::Hamiltonian(_) => each(|velocity, momentum| format!("{velocity} = ∂h/∂{momentum}")),
         Energy::Lagrangian(_) => {
-            let by_velocity = |(velocity, momentum): (String, String)| format!("{momentum} = ∂l/∂{velocity}");
-            let mut lines: Vec<String> = system.factors.iter().map(names).map(by_velocity).collect();
-            let work = |(velocity, momentum): (String, String)| format!("{momentum}·{velocity}");
-            let work: Vec<String> = system.factors.iter().map(names).map(work).collect();
+            let mut lines = each(|velocity, momentum| format!("{momentum} = ∂l/∂{velocity}"));
+            let work = each(|velocity, momentum| format!("{momentum}·{velocity}"));
             lines.push(format!("h = {} − l", work.join(" + ")));
             lines
         }
@@ -80,19 +78,18 @@ fn motion<'a>(system: &System<'a>, factor: &Factor<'a>, algebra: &Semidirect) ->
         advected: &advected,
         energy,
     });
-    let Equations { mut configuration, momentum: mut terms, advected: rates } = equations;
+    let Equations { mut configuration, bracket, mut by_energy, advected: rates } = equations;
     let mut rates: Vec<(String, String)> = advected.iter().map(|&name| name.to_owned()).zip(rates).collect();
     for (advected, _) in others {
-        terms.push(EquationTerm::by_energy(format!("{advected} ⋄ ∂{energy}/∂{advected}")));
+        by_energy.push(format!("{advected} ⋄ ∂{energy}/∂{advected}"));
         rates.push((advected.to_owned(), format!("ad*({velocity}) {advected}")));
     }
     let is_lagrangian = matches!(system.energy, Energy::Lagrangian(_));
     // the energy's derivatives are those of `−l`
     let (space, own) = if is_lagrangian { ("+", " − ") } else { ("−", " + ") };
-    let mut change = String::new();
-    for EquationTerm { text, by_energy } in terms {
-        let sign = if by_energy { own } else { " + " };
-        let sign = if change.is_empty() { sign.trim_matches([' ', '+']) } else { sign };
+    let mut change = bracket.unwrap_or_default();
+    for text in by_energy {
+        let sign = if change.is_empty() { own.trim_matches([' ', '+']) } else { own };
         change = format!("{change}{sign}{text}");
     }
     if system.side == Side::Right && !group.is_linear() {

@@ -6,33 +6,12 @@
 
 use crate::expr::{Arena, Stage, Vector, gradient};
 use crate::group::{Retraction, SemidirectVector, Side};
-use crate::model::{Parts, Slot, System};
+use crate::model::{Parts, System};
 
 /// Symbols for a tangent vector: `by_attitude_x`, …
 pub fn tangent_symbols<'a>(arena: &'a Arena, system: &System<'a>, name: &str) -> Vector<'a> {
-    let symbol =
-        |(part, suffix): &(String, &str)| arena.symbol(format!("{name}_{part}_{suffix}"), Stage::Step);
-    Vector(components(system).iter().map(symbol).collect())
-}
-
-/// The names of a tangent vector's components: part and axis.
-fn components(system: &System<'_>) -> Vec<(String, &'static str)> {
-    let of = |slot| {
-        let (name, axes) = match slot {
-            Slot::Configuration(factor) => {
-                (system.factors[factor].name.plain(), system.group.factors[factor].group.axes())
-            }
-            Slot::Momentum(factor) => {
-                (system.factors[factor].momentum_name.plain(), system.group.factors[factor].group.axes())
-            }
-            Slot::Advected { factor, place } => {
-                let space = system.group.factors[factor].spaces[place];
-                (system.factors[factor].advected[place].name.plain(), space.coordinates())
-            }
-        };
-        axes.iter().map(move |&axis| (name.clone(), axis))
-    };
-    system.slots().into_iter().flat_map(of).collect()
+    let symbol = |component| arena.symbol(format!("{name}_{component}"), Stage::Step);
+    Vector(system.tangent_names().into_iter().map(symbol).collect())
 }
 
 /// The state displaced by a tangent vector.

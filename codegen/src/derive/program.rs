@@ -7,14 +7,13 @@ use crate::identifiers::plain;
 use crate::kernel::{self, Inputs};
 use crate::language;
 use crate::method::linearization::Linearization;
-use crate::model::{InertiaField, InertiaShape, Name, Parameter, Part, Place, Relation, System};
+use crate::model::{InertiaField, InertiaShape, Name, Part, Place, Relation, System};
 use crate::program::{
     Constant, Documentation, Element, Inertia, Input, Interface, Module, Program, Quantity, StepProgram,
     SystemRole, Transform,
 };
-use crate::quantity::{Kind, Role, Shape};
-use crate::scheme::Derivatives;
-use crate::scheme::Scheme;
+use crate::quantity::Role;
+use crate::scheme::{Derivatives, Scheme};
 
 /// Derives a system's program, but for its steps. Its states are displaced along these retractions.
 pub(crate) fn program<'a>(arena: &'a Arena, system: &System<'a>, retractions: &[Retraction]) -> Program {
@@ -28,42 +27,24 @@ pub(crate) fn program<'a>(arena: &'a Arena, system: &System<'a>, retractions: &[
 
 /// A system's public surface.
 fn interface(system: &System<'_>) -> Interface {
-    let unit = |name: &Name| {
-        let name = plain(&name.ident);
-        system.units.iter().find(|(of, _)| *of == name).map(|(_, unit)| unit.clone())
-    };
-    let part = |part: &Part<'_>| Quantity {
-        role: part.role,
-        name: part.name.plain(),
-        element: element(&part.name),
-        components: part.suffixes.clone(),
-        kind: part.kind,
-        tangent: 0..match part.role {
-            Role::Configuration => {
-                let factor = system.factors.iter().find(|factor| factor.name == part.name);
-                factor.map_or(0, |factor| factor.momentum.len())
-            }
+    let quantity = |part: &Part<'_>| {
+        let configuration = system.factors.iter().find(|factor| factor.name == part.name);
+        let tangent = match part.role {
+            Role::Configuration => configuration.map_or(0, |factor| factor.momentum.len()),
             Role::Parameter | Role::Momentum | Role::Advected | Role::Control => part.symbols.len(),
-        },
-        side: (part.role != Role::Control).then_some(system.side),
-        unit: unit(&part.name),
-        doc: part.doc.clone(),
-    };
-    let field = |field: &Parameter| Quantity {
-        role: Role::Parameter,
-        name: field.name.plain(),
-        element: element(&field.name),
-        components: field.suffixes(),
-        kind: match field.shape {
-            Shape::Matrix(n, _) if system.inertias.iter().any(|inertia| inertia.name == field.name) => {
-                Kind::Symmetric(n)
-            }
-            shape => shape.into(),
-        },
-        tangent: 0..field.symbols.len(),
-        side: None,
-        unit: field.unit.clone(),
-        doc: field.doc.clone(),
+        };
+        let has_side = !matches!(part.role, Role::Parameter | Role::Control);
+        Quantity {
+            role: part.role,
+            name: part.name.plain(),
+            element: element(&part.name),
+            components: part.suffixes.clone(),
+            kind: part.kind,
+            tangent: 0..tangent,
+            side: has_side.then_some(system.side),
+            unit: part.unit.clone(),
+            doc: part.doc.clone(),
+        }
     };
     let inertia = |inertia: &InertiaField<'_>| Inertia {
         name: inertia.name.plain(),
@@ -78,10 +59,10 @@ fn interface(system: &System<'_>) -> Interface {
         name: system.name.clone(),
         scalar: system.scalar,
         side: system.side,
-        parameters: in_a_row(system.parameters.iter().map(field)),
+        parameters: in_a_row(system.parameters.iter().map(quantity)),
         constants: constants.map(constant).collect(),
-        state: in_a_row(system.parts().iter().map(part)),
-        controls: in_a_row(system.controls.iter().map(part)),
+        state: in_a_row(system.parts().iter().map(quantity)),
+        controls: in_a_row(system.controls.iter().map(quantity)),
         inertias: system.inertias.iter().map(inertia).collect(),
         casimirs: system.casimirs().found.iter().map(|(name, _)| name.clone()).collect(),
         missing_casimirs: system.casimirs().missing,

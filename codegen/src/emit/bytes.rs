@@ -35,22 +35,33 @@ const INPUTS: [Input; 10] = [
     Input::Record(RecordKind::Step),
 ];
 
-/// Elementary functions, in the order of their kinds.
-const FUNCTIONS: [Elementary; 13] = [
-    Elementary::Sqrt,
-    Elementary::Exp,
-    Elementary::Ln,
-    Elementary::Sin,
-    Elementary::Cos,
-    Elementary::Tan,
-    Elementary::Asin,
-    Elementary::Acos,
-    Elementary::Atan,
-    Elementary::Sinh,
-    Elementary::Cosh,
-    Elementary::Tanh,
-    Elementary::RecipOrZero,
-];
+/// The kinds of terms. `runtime/src/bytecode.rs` has this module too, to the letter.
+mod kind {
+    pub(super) const NUMBER: u8 = 0;
+    pub(super) const VALUE: u8 = 1;
+    pub(super) const NEGATIVE: u8 = 2;
+    pub(super) const SUM: u8 = 3;
+    pub(super) const PRODUCT: u8 = 4;
+    pub(super) const MUL_ADD: u8 = 5;
+    pub(super) const NEG_MUL_ADD: u8 = 6;
+    pub(super) const QUOTIENT: u8 = 7;
+    pub(super) const POWER: u8 = 8;
+    pub(super) const ATAN2: u8 = 9;
+    pub(super) const SQRT: u8 = 10;
+    pub(super) const EXP: u8 = 11;
+    pub(super) const LN: u8 = 12;
+    pub(super) const SIN: u8 = 13;
+    pub(super) const COS: u8 = 14;
+    pub(super) const TAN: u8 = 15;
+    pub(super) const ASIN: u8 = 16;
+    pub(super) const ACOS: u8 = 17;
+    pub(super) const ATAN: u8 = 18;
+    pub(super) const SINH: u8 = 19;
+    pub(super) const COSH: u8 = 20;
+    pub(super) const TANH: u8 = 21;
+    pub(super) const RECIP_OR_ZERO: u8 = 22;
+    pub(super) const ANGLE_OVER_SINE: u8 = 23;
+}
 
 /// The functions that lead from one state to the next, each in bytes.
 pub fn functions(module: &Module<StepRole>) -> impl Iterator<Item = Vec<u8>> {
@@ -59,16 +70,16 @@ pub fn functions(module: &Module<StepRole>) -> impl Iterator<Item = Vec<u8>> {
 
 fn function(function: &Function<StepRole>) -> Vec<u8> {
     let mut code = Code::default();
-    let given: Vec<(u8, &Argument)> = function
+    let given: Vec<(usize, &Argument)> = function
         .arguments
         .iter()
         .filter(|argument| function.role == StepRole::Evaluate || !matches!(argument.input, Input::Record(_)))
-        .filter_map(|argument| Some((place(&INPUTS, &argument.input)?, argument)))
+        .filter_map(|argument| Some((INPUTS.iter().position(|input| *input == argument.input)?, argument)))
         .filter(|(_, argument)| argument.values.iter().any(Option::is_some))
         .collect();
     code.count(given.len());
     for (kind, argument) in given {
-        code.0.push(kind);
+        code.count(kind);
         code.places(&argument.values);
     }
     code.count(function.statements.len());
@@ -81,11 +92,6 @@ fn function(function: &Function<StepRole>) -> Vec<u8> {
         result.iter().for_each(|term| code.term(term));
     }
     code.0
-}
-
-fn place<T: PartialEq>(among: &[T], one: &T) -> Option<u8> {
-    let place = among.iter().position(|other| other == one)?;
-    u8::try_from(place).ok()
 }
 
 #[derive(Default)]
@@ -128,16 +134,16 @@ impl Code {
     fn term(&mut self, term: &Term) {
         match term {
             Term::Number(number) => {
-                self.0.push(0);
+                self.0.push(kind::NUMBER);
                 self.0.extend(number.as_emitted().to_le_bytes());
             }
             Term::Value(value) => {
-                self.0.push(1);
+                self.0.push(kind::VALUE);
                 self.place(Some(*value));
             }
-            Term::Negative(x) => self.operation(2, [x]),
+            Term::Negative(x) => self.operation(kind::NEGATIVE, [x]),
             Term::Sum(addends) => {
-                self.0.push(3);
+                self.0.push(kind::SUM);
                 self.count(addends.len());
                 for (negative, addend) in addends {
                     self.0.push(u8::from(*negative));
@@ -145,25 +151,47 @@ impl Code {
                 }
             }
             Term::Product(factors) => {
-                self.0.push(4);
+                self.0.push(kind::PRODUCT);
                 self.count(factors.len());
                 factors.iter().for_each(|factor| self.term(factor));
             }
             Term::MulAdd { negative, a, b, addend } => {
-                self.operation(5 + u8::from(*negative), [a, b, addend])
+                let kind = if *negative { kind::NEG_MUL_ADD } else { kind::MUL_ADD };
+                self.operation(kind, [a, b, addend])
             }
-            Term::Quotient(x, y) => self.operation(7, [x, y]),
-            Term::Power(x, y) => self.operation(8, [x, y]),
-            Term::Atan2(y, x) => self.operation(9, [y, x]),
-            Term::Function(Elementary::AngleOverSine(k), x) => {
-                self.0.push(23);
-                self.count(*k as usize);
+            Term::Quotient(x, y) => self.operation(kind::QUOTIENT, [x, y]),
+            Term::Power(x, y) => self.operation(kind::POWER, [x, y]),
+            Term::Atan2(y, x) => self.operation(kind::ATAN2, [y, x]),
+            Term::Function(function, x) => {
+                self.function(*function);
                 self.term(x);
             }
-            Term::Function(function, x) => {
-                self.operation(10 + place(&FUNCTIONS, function).unwrap_or_default(), [x]);
-            }
         }
+    }
+
+    /// The kind of a function, and which of a family it is.
+    fn function(&mut self, function: Elementary) {
+        self.0.push(match function {
+            Elementary::Sqrt => kind::SQRT,
+            Elementary::Exp => kind::EXP,
+            Elementary::Ln => kind::LN,
+            Elementary::Sin => kind::SIN,
+            Elementary::Cos => kind::COS,
+            Elementary::Tan => kind::TAN,
+            Elementary::Asin => kind::ASIN,
+            Elementary::Acos => kind::ACOS,
+            Elementary::Atan => kind::ATAN,
+            Elementary::Sinh => kind::SINH,
+            Elementary::Cosh => kind::COSH,
+            Elementary::Tanh => kind::TANH,
+            Elementary::RecipOrZero => kind::RECIP_OR_ZERO,
+            // a statement has all of one argument
+            Elementary::Stumpff(_) => unreachable!("Stumpff functions are no terms"),
+            Elementary::AngleOverSine(order) => {
+                self.0.push(kind::ANGLE_OVER_SINE);
+                return self.count(order as usize);
+            }
+        });
     }
 
     fn operation<const N: usize>(&mut self, kind: u8, operands: [&Term; N]) {

@@ -6,7 +6,8 @@
 //! once. Nothing is ever multiplied out.
 
 use std::cell::{Cell, RefCell};
-use std::sync::Arc;
+use std::collections::BTreeSet;
+use std::rc::Rc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -21,18 +22,15 @@ struct Store {
     /// Role names of nodes, and in which order they were given.
     roles: Vec<(Id, String)>,
     named: FxHashSet<Id>,
-    rules: Vec<Arc<RuleApplied>>,
+    rules: Vec<Rc<RuleApplied>>,
     /// For each value the place of its rule.
     rule_of: FxHashMap<Id, usize>,
     /// Radicands that can be zero, in the order in which they were made.
     radicands: Vec<Id>,
 }
 
-/// A derivative in closed form, of nodes by nodes.
-pub(super) trait NodeRule: Send + Sync {
-    /// The changes of `values` along changes of their arguments; `given` is what else it needs.
-    fn along(&self, arena: &Arena, values: &[Id], given: &[Id], changes: &[Id]) -> Vec<Id>;
-}
+/// The changes of a rule's values along these changes of their arguments.
+type Along = dyn Fn(&Arena, &RuleApplied, &[Id]) -> Vec<Id>;
 
 /// Values with what they are functions of, and the rule of their derivative.
 pub(super) struct RuleApplied {
@@ -40,7 +38,7 @@ pub(super) struct RuleApplied {
     pub(super) arguments: Vec<Id>,
     /// Further ingredients of the derivative, beside the values.
     pub(super) given: Vec<Id>,
-    pub(super) rule: Arc<dyn NodeRule>,
+    pub(super) along: Rc<Along>,
 }
 
 impl RuleApplied {
@@ -48,7 +46,7 @@ impl RuleApplied {
     pub(super) fn image(&self, mut image: impl FnMut(Id) -> Id) -> Self {
         let mut images = |ids: &[Id]| ids.iter().map(|&id| image(id)).collect();
         let (arguments, given) = (images(&self.arguments), images(&self.given));
-        Self { values: images(&self.values), arguments, given, rule: Arc::clone(&self.rule) }
+        Self { values: images(&self.values), arguments, given, along: Rc::clone(&self.along) }
     }
 }
 
@@ -324,20 +322,38 @@ impl Arena {
         order
     }
 
-    /// Whether any of the symbols occurs in any of these nodes.
-    pub(super) fn depend_on(&self, nodes: impl IntoIterator<Item = Id>, symbols: &[Symbol]) -> bool {
+    /// Whether any symbol that occurs in these nodes is one that is looked for.
+    pub(super) fn any_symbol(
+        &self,
+        nodes: impl IntoIterator<Item = Id>,
+        mut is_wanted: impl FnMut(Symbol) -> bool,
+    ) -> bool {
         let store = self.store.borrow();
         let mut seen = FxHashSet::default();
         let mut pending: Vec<Id> = nodes.into_iter().collect();
         while let Some(id) = pending.pop() {
             if seen.insert(id) {
                 match &store.nodes[id.0 as usize] {
-                    Node::Symbol(symbol) if symbols.contains(symbol) => return true,
+                    Node::Symbol(symbol) if is_wanted(*symbol) => return true,
                     node => pending.extend(node.operands()),
                 }
             }
         }
         false
+    }
+
+    /// The nodes that one is made of and that nothing is known of, itself included, in the order of creation: operands
+    /// before what is made of them.
+    pub(crate) fn unknown<T>(&self, id: Id, known: &FxHashMap<Id, T>) -> BTreeSet<Id> {
+        let store = self.store.borrow();
+        let mut unknown = BTreeSet::new();
+        let mut pending = vec![id];
+        while let Some(id) = pending.pop() {
+            if !known.contains_key(&id) && unknown.insert(id) {
+                pending.extend(store.nodes[id.0 as usize].operands());
+            }
+        }
+        unknown
     }
 
     /// The role names that were given, in that order.
@@ -369,9 +385,9 @@ impl Arena {
     }
 
     /// The rule that a value's derivative follows.
-    pub(super) fn rule(&self, id: Id) -> Option<Arc<RuleApplied>> {
+    pub(super) fn rule(&self, id: Id) -> Option<Rc<RuleApplied>> {
         let store = self.store.borrow();
-        store.rule_of.get(&id).map(|&place| Arc::clone(&store.rules[place]))
+        store.rule_of.get(&id).map(|&place| Rc::clone(&store.rules[place]))
     }
 
     /// Gives values a rule; the first one of a value stays. Constants and symbols have derivatives of their own; and
@@ -386,7 +402,7 @@ impl Arena {
             for &value in &rule.values {
                 store.rule_of.entry(value).or_insert(place);
             }
-            store.rules.push(Arc::new(rule));
+            store.rules.push(Rc::new(rule));
         }
     }
 

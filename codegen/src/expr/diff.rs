@@ -1,7 +1,5 @@
 //! Differentiation and substitution: both walk the graph once, remembering what they have seen.
 
-use std::sync::Arc;
-
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::arena::{Arena, RuleApplied};
@@ -74,7 +72,7 @@ pub struct Derivative<'a> {
     arena: &'a Arena,
     direction: FxHashMap<Symbol, Id>,
     known: FxHashMap<Id, Id>,
-    limits: Limits,
+    limits: Limits<'a>,
 }
 
 impl<'a> Derivative<'a> {
@@ -100,132 +98,106 @@ impl<'a> Derivative<'a> {
         self.limits.of(self.arena.expr(id))
     }
 
-    /// Walks along the operands with a stack of its own. A product's terms are made as soon as the derivative of their
-    /// factor is known.
+    /// Differentiates a node after all that it is made of, with a stack of its own. A node that lacks the derivative of
+    /// an operand is tried again behind it; a product's terms are made as soon as the derivative of their factor is
+    /// known, and kept.
     fn visit(&mut self, root: Id) -> Id {
-        let zero = self.arena.zero().id;
-        let mut open = vec![Visit::of(self.arena, root)];
-        while let Some(visit) = open.last_mut() {
-            let next = visit.operands.get(visit.done).copied();
-            match next {
-                _ if self.known.contains_key(&visit.id) => drop(open.pop()),
-                Some(operand) => match self.known.get(&operand) {
-                    Some(&inner) => {
-                        if let Node::Product(factors) = &visit.node
-                            && inner != zero
-                        {
-                            visit.terms.push(self.term(factors, visit.done, inner));
-                        }
-                        visit.done += 1;
-                    }
-                    None => open.push(Visit::of(self.arena, operand)),
-                },
-                None => {
-                    let Some(Visit { id, node, terms, known, .. }) = open.pop() else { break };
-                    let derivative = match known {
-                        Some(known) => self.in_closed_form(id, &known, zero),
-                        None => self.derivative(id, &node, &terms, zero),
-                    };
-                    self.known.insert(id, derivative);
+        let mut open: Vec<(Id, Vec<Option<Id>>)> = vec![(root, Vec::new())];
+        while let Some((id, terms)) = open.last_mut() {
+            match self.node(*id, terms) {
+                Ok(derivative) => {
+                    self.known.insert(*id, derivative);
+                    open.pop();
                 }
+                Err(operand) => open.push((operand, Vec::new())),
             }
         }
         self.known[&root]
     }
 
-    /// The derivative of a value of which it is known; those of the values beside it, too.
-    fn in_closed_form(&mut self, id: Id, of: &RuleApplied, zero: Id) -> Id {
-        let changes: Vec<Id> = of.arguments.iter().map(|argument| self.known[argument]).collect();
-        if changes.iter().all(|&change| change == zero) {
-            return zero;
+    /// The derivative of a node, when those of its operands are known.
+    ///
+    /// # Errors
+    /// The first operand of which it is not.
+    fn node(&mut self, id: Id, terms: &mut Vec<Option<Id>>) -> Result<Id, Id> {
+        let arena = self.arena;
+        if let Some(&known) = self.known.get(&id) {
+            return Ok(known);
         }
-        let changes = of.rule.along(self.arena, &of.values, &of.given, &changes);
+        if let Some(rule) = arena.rule(id) {
+            return self.in_closed_form(id, &rule);
+        }
+        let known = |operand: Id| match self.known.get(&operand) {
+            Some(&known) => Ok(arena.expr(known)),
+            None => Err(operand),
+        };
+        let derivative = match arena.node(id) {
+            Node::Number(_) => arena.zero(),
+            Node::Symbol(symbol) => {
+                self.direction.get(&symbol).map_or_else(|| arena.zero(), |&id| arena.expr(id))
+            }
+            Node::Held(inner) => match quotient(arena.expr(inner)) {
+                // (c/u)' = −(c/u)² u'/c, which needs no other quotient
+                Some((number, divisor)) => {
+                    let slope = known(divisor.id)?.scale(-number.powi(-1));
+                    (slope * arena.expr(id).powi(2)).hold()
+                }
+                None => known(inner)?.hold(),
+            },
+            Node::Sum(sum) => {
+                let terms = sum.terms.iter().map(|&(term, c)| Ok((known(term)?.id, c)));
+                arena.expr(arena.sum(Number::ZERO, terms.collect::<Result<Vec<_>, Id>>()?))
+            }
+            Node::Product(factors) => {
+                for place in terms.len()..factors.len() {
+                    let (factor, exponent) = factors[place];
+                    let inner = known(factor)?;
+                    // the product with this factor replaced by its derivative
+                    let mut rest = factors.to_vec();
+                    rest[place].1 -= 1;
+                    rest.push((inner.id, 1));
+                    let term = || arena.product(Number::from(i64::from(exponent)), rest);
+                    terms.push((!inner.is_zero()).then(term));
+                }
+                let terms = terms.iter().flatten().map(|&term| (term, Number::ONE));
+                arena.expr(arena.sum(Number::ZERO, terms))
+            }
+            Node::Function(function, argument) => match known(argument)? {
+                inner if inner.is_zero() => inner,
+                inner => function.derivative(arena.expr(argument)) * inner,
+            },
+            Node::Power(base, exponent) => {
+                // d(b^e) = e b^(e−1) db + ln(b) b^e de
+                let (b, e) = (arena.expr(base), arena.expr(exponent));
+                let (db, de) = (known(base)?, known(exponent)?);
+                let by_base = e * b.pow(e - 1) * db;
+                match de.is_zero() {
+                    true => by_base,
+                    false => by_base + b.apply(Function::Ln) * arena.expr(id) * de,
+                }
+            }
+            Node::Atan2(y, x) => {
+                let (dy, dx) = (known(y)?, known(x)?);
+                let (y, x) = (arena.expr(y), arena.expr(x));
+                (x * dy - y * dx) / (x * x + y * y)
+            }
+        };
+        Ok(derivative.id)
+    }
+
+    /// The derivative of a value of which it is known; those of the values beside it, too.
+    fn in_closed_form(&mut self, id: Id, of: &RuleApplied) -> Result<Id, Id> {
+        let change = |argument: &Id| self.known.get(argument).copied().ok_or(*argument);
+        let changes: Vec<Id> = of.arguments.iter().map(change).collect::<Result<_, Id>>()?;
+        let zero = self.arena.zero().id;
+        if changes.iter().all(|&change| change == zero) {
+            return Ok(zero);
+        }
+        let changes = (of.along)(self.arena, of, &changes);
         for (&value, change) in of.values.iter().zip(changes) {
             self.known.entry(value).or_insert(change);
         }
-        self.known[&id]
-    }
-
-    /// A product with a factor replaced by its derivative.
-    fn term(&self, factors: &[(Id, i32)], place: usize, inner: Id) -> (Id, Number) {
-        let exponent = factors[place].1;
-        let mut rest = factors.to_vec();
-        rest[place].1 -= 1;
-        rest.push((inner, 1));
-        (self.arena.product(Number::from(i64::from(exponent)), rest), Number::ONE)
-    }
-
-    /// The derivative of a node, when those of its operands are known.
-    fn derivative(&self, id: Id, node: &Node, terms: &[(Id, Number)], zero: Id) -> Id {
-        let arena = self.arena;
-        let known = |operand: Id| self.known[&operand];
-        match node {
-            Node::Number(_) => zero,
-            Node::Symbol(symbol) => self.direction.get(symbol).copied().unwrap_or(zero),
-            Node::Held(inner) => match quotient(arena.expr(*inner)) {
-                // (c/u)' = −(c/u)² u'/c, which needs no other quotient
-                Some((number, divisor)) => {
-                    let slope = arena.expr(known(divisor.id)).scale(-number.powi(-1));
-                    arena.held((slope * arena.expr(id).powi(2)).id)
-                }
-                None => arena.held(known(*inner)),
-            },
-            Node::Sum(sum) => {
-                let terms: Vec<_> = sum.terms.iter().map(|&(term, c)| (known(term), c)).collect();
-                arena.sum(Number::ZERO, terms)
-            }
-            Node::Product(_) => arena.sum(Number::ZERO, terms.iter().copied()),
-            Node::Function(_, argument) if known(*argument) == zero => zero,
-            Node::Function(function, argument) => {
-                (function.derivative(arena.expr(*argument)) * arena.expr(known(*argument))).id
-            }
-            Node::Power(base, exponent) => {
-                // d(b^e) = e b^(e−1) db + ln(b) b^e de
-                let (b, e) = (arena.expr(*base), arena.expr(*exponent));
-                let (db, de) = (arena.expr(known(*base)), arena.expr(known(*exponent)));
-                let mut total = e * b.pow(e - 1) * db;
-                if !de.is_zero() {
-                    total = total + b.apply(Function::Ln) * arena.expr(id) * de;
-                }
-                total.id
-            }
-            Node::Atan2(y, x) => {
-                let (dy, dx) = (arena.expr(known(*y)), arena.expr(known(*x)));
-                let (y, x) = (arena.expr(*y), arena.expr(*x));
-                ((x * dy - y * dx) / (x * x + y * y)).id
-            }
-        }
-    }
-}
-
-/// A node whose derivative is under way.
-struct Visit {
-    id: Id,
-    node: Node,
-    /// Those whose derivatives are needed.
-    operands: Vec<Id>,
-    /// How many operands' derivatives are known.
-    done: usize,
-    /// Of a product's derivative.
-    terms: Vec<(Id, Number)>,
-    /// Its derivative in closed form.
-    known: Option<Arc<RuleApplied>>,
-}
-
-impl Visit {
-    fn of(arena: &Arena, id: Id) -> Self {
-        let node = arena.node(id);
-        let known = arena.rule(id);
-        let divisor = match node {
-            Node::Held(inner) => quotient(arena.expr(inner)).map(|(_, divisor)| divisor.id),
-            _ => None,
-        };
-        let operands = match (&known, divisor) {
-            (Some(known), _) => known.arguments.clone(),
-            (None, Some(divisor)) => vec![divisor],
-            (None, None) => node.operands().collect(),
-        };
-        Self { id, operands, node, done: 0, terms: Vec::new(), known }
+        Ok(self.known[&id])
     }
 }
 
@@ -278,7 +250,7 @@ pub fn gradient<'a>(expr: Expr<'a>, symbols: &[Symbol]) -> Vector<'a> {
     let mut found: FxHashMap<Symbol, Id> = FxHashMap::default();
     adjoints.insert(expr.id, vec![arena.one().id]);
     // operands are older than what is made of them: going from young to old, every adjoint is complete when it is used
-    for id in reachable(expr) {
+    for id in arena.unknown(expr.id, &FxHashMap::<Id, ()>::default()).into_iter().rev() {
         let Some(parts) = adjoints.remove(&id) else { continue };
         let adjoint = arena.sum(Number::ZERO, parts.into_iter().map(|part| (part, Number::ONE)));
         let of = |rest: Expr<'a>| (rest * arena.expr(adjoint)).id;
@@ -323,13 +295,6 @@ pub fn gradient<'a>(expr: Expr<'a>, symbols: &[Symbol]) -> Vector<'a> {
     let of = |symbol| found.get(symbol).map_or_else(|| arena.zero(), |&id| arena.expr(id));
     let mut limits = Limits::default();
     Vector(symbols.iter().map(|symbol| limits.of(of(symbol))).collect())
-}
-
-/// The nodes an expression is made of, youngest first.
-fn reachable(expr: Expr<'_>) -> Vec<Id> {
-    let mut nodes = expr.arena.post_order([expr.id], |_| false);
-    nodes.sort_by_key(|&id| std::cmp::Reverse(id));
-    nodes
 }
 
 /// Replaces symbols in many expressions, sharing the work.

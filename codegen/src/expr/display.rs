@@ -87,6 +87,7 @@ fn addends(sum: &Sum, pieces: &mut Vec<Piece>) {
 /// A node's text, with places for its operands.
 fn pieces(arena: &Arena, id: Id, around: Binding) -> Vec<Piece> {
     let mut pieces = Vec::new();
+    let whole = |operand: Id| Piece::Node(operand, Binding::Sum);
     let parenthesized = match arena.node(id) {
         Node::Number(number) => {
             let text = number.to_string();
@@ -117,22 +118,21 @@ fn pieces(arena: &Arena, id: Id, around: Binding) -> Vec<Piece> {
             around > Binding::Product
         }
         Node::Held(inner) => {
-            pieces.extend([Piece::text("["), Piece::Node(inner, Binding::Sum), Piece::text("]")]);
+            pieces.extend([Piece::text("["), whole(inner), Piece::text("]")]);
             false
         }
         Node::Function(function, argument) => {
-            pieces.push(Piece::Text(format!("{}(", function.name())));
-            pieces.extend([Piece::Node(argument, Binding::Sum), Piece::text(")")]);
+            let name = Piece::Text(format!("{}(", function.name()));
+            pieces.extend([name, whole(argument), Piece::text(")")]);
             false
         }
         Node::Power(base, exponent) => {
-            pieces.extend([Piece::Node(base, Binding::Power), Piece::text("^(")]);
-            pieces.extend([Piece::Node(exponent, Binding::Sum), Piece::text(")")]);
+            let base = Piece::Node(base, Binding::Power);
+            pieces.extend([base, Piece::text("^("), whole(exponent), Piece::text(")")]);
             false
         }
         Node::Atan2(y, x) => {
-            pieces.extend([Piece::text("atan2("), Piece::Node(y, Binding::Sum), Piece::text(", ")]);
-            pieces.extend([Piece::Node(x, Binding::Sum), Piece::text(")")]);
+            pieces.extend([Piece::text("atan2("), whole(y), Piece::text(", "), whole(x), Piece::text(")")]);
             false
         }
     };
@@ -143,14 +143,19 @@ fn pieces(arena: &Arena, id: Id, around: Binding) -> Vec<Piece> {
     pieces
 }
 
-/// The sign and the magnitude before a sum's term.
-fn addend(place: usize, coefficient: Number, pieces: &mut Vec<Piece>) {
-    pieces.push(Piece::text(match (place, coefficient.is_negative()) {
+/// The sign before an addend at this place of a sum.
+pub(crate) fn sign(place: usize, negative: bool) -> &'static str {
+    match (place, negative) {
         (0, false) => "",
         (0, true) => "-",
         (_, false) => " + ",
         (_, true) => " - ",
-    }));
+    }
+}
+
+/// The sign and the magnitude before a sum's term.
+fn addend(place: usize, coefficient: Number, pieces: &mut Vec<Piece>) {
+    pieces.push(Piece::text(sign(place, coefficient.is_negative())));
     let magnitude = coefficient.abs();
     if !magnitude.is_one() {
         pieces.push(Piece::Text(format!("{magnitude} ")));

@@ -1,7 +1,5 @@
 //! Expressions as formulas are written with them.
 
-use rustc_hash::FxHashSet;
-
 use super::arena::Arena;
 use super::node::{Function, Id, Node, Stage, Sum, Symbol, SymbolInfo};
 use super::number::Number;
@@ -129,23 +127,16 @@ impl<'a> Expr<'a> {
     /// The earliest stage at which its value is known.
     pub fn stage(self) -> Stage {
         let mut latest = Stage::Parameters;
-        let mut seen = FxHashSet::default();
-        let mut pending = vec![self.id];
-        while let Some(id) = pending.pop() {
-            if !seen.insert(id) {
-                continue;
-            }
-            match self.arena.node(id) {
-                Node::Symbol(symbol) => latest = latest.max(self.arena.symbol_info(symbol).stage),
-                node => pending.extend(node.operands()),
-            }
-        }
+        self.arena.any_symbol([self.id], |symbol| {
+            latest = latest.max(self.arena.symbol_info(symbol).stage);
+            false
+        });
         latest
     }
 
     /// Whether any of the symbols occurs.
     pub fn depends_on(self, symbols: &[Symbol]) -> bool {
-        self.arena.depend_on([self.id], symbols)
+        self.arena.any_symbol([self.id], |symbol| symbols.contains(&symbol))
     }
 
     /// The angle of the point `(x, self)`.
@@ -167,66 +158,36 @@ impl PartialEq for Expr<'_> {
 
 impl Eq for Expr<'_> {}
 
-impl<'a> std::ops::Add for Expr<'a> {
-    type Output = Expr<'a>;
-    fn add(self, other: Self) -> Self {
-        self.arena.expr(self.arena.sum(Number::ZERO, [(self.id, Number::ONE), (other.id, Number::ONE)]))
-    }
+/// An operator by what it makes of its operands.
+macro_rules! operator {
+    ($operator:ident $method:ident $other:ty: |$left:ident, $right:ident| $value:expr) => {
+        impl<'a> std::ops::$operator<$other> for Expr<'a> {
+            type Output = Expr<'a>;
+            fn $method(self, other: $other) -> Self {
+                let ($left, $right) = (self, other);
+                $value
+            }
+        }
+    };
 }
 
-impl<'a> std::ops::Sub for Expr<'a> {
-    type Output = Expr<'a>;
-    fn sub(self, other: Self) -> Self {
-        self.arena.expr(self.arena.sum(Number::ZERO, [(self.id, Number::ONE), (other.id, Number::MINUS_ONE)]))
-    }
-}
-
-impl<'a> std::ops::Mul for Expr<'a> {
-    type Output = Expr<'a>;
-    fn mul(self, other: Self) -> Self {
-        self.arena.expr(self.arena.product(Number::ONE, [(self.id, 1), (other.id, 1)]))
-    }
-}
-
-impl<'a> std::ops::Div for Expr<'a> {
-    type Output = Expr<'a>;
-    fn div(self, other: Self) -> Self {
-        self.arena.expr(self.arena.product(Number::ONE, [(self.id, 1), (other.id, -1)]))
-    }
-}
+operator!(Add add Expr<'a>: |x, y| {
+    x.arena.expr(x.arena.sum(Number::ZERO, [(x.id, Number::ONE), (y.id, Number::ONE)]))
+});
+operator!(Sub sub Expr<'a>: |x, y| {
+    x.arena.expr(x.arena.sum(Number::ZERO, [(x.id, Number::ONE), (y.id, Number::MINUS_ONE)]))
+});
+operator!(Mul mul Expr<'a>: |x, y| x.arena.expr(x.arena.product(Number::ONE, [(x.id, 1), (y.id, 1)])));
+operator!(Div div Expr<'a>: |x, y| x.arena.expr(x.arena.product(Number::ONE, [(x.id, 1), (y.id, -1)])));
+operator!(Add add i64: |x, number| x + x.arena.number(number));
+operator!(Sub sub i64: |x, number| x - x.arena.number(number));
+operator!(Mul mul i64: |x, number| x.scale(number));
+operator!(Div div i64: |x, number| x / x.arena.number(number));
 
 impl<'a> std::ops::Neg for Expr<'a> {
     type Output = Expr<'a>;
     fn neg(self) -> Self {
         self.scale(Number::MINUS_ONE)
-    }
-}
-
-impl<'a> std::ops::Add<i64> for Expr<'a> {
-    type Output = Expr<'a>;
-    fn add(self, other: i64) -> Self {
-        self + self.arena.number(other)
-    }
-}
-
-impl<'a> std::ops::Sub<i64> for Expr<'a> {
-    type Output = Expr<'a>;
-    fn sub(self, other: i64) -> Self {
-        self - self.arena.number(other)
-    }
-}
-
-impl<'a> std::ops::Mul<i64> for Expr<'a> {
-    type Output = Expr<'a>;
-    fn mul(self, other: i64) -> Self {
-        self.scale(other)
-    }
-}
-
-impl<'a> std::ops::Div<i64> for Expr<'a> {
-    type Output = Expr<'a>;
-    fn div(self, other: i64) -> Self {
-        self / self.arena.number(other)
     }
 }
 

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::arena::Arena;
+use super::entries::Entries;
 use super::expression::Expr;
 use super::node::Symbol;
 use super::number::Number;
@@ -11,16 +12,8 @@ use super::number::Number;
 #[derive(Clone, PartialEq, Debug)]
 pub struct Vector<'a>(pub Vec<Expr<'a>>);
 
-/// A matrix of expressions, by rows.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Matrix<'a> {
-    /// How many rows.
-    pub rows: usize,
-    /// How many columns.
-    pub columns: usize,
-    /// The entries, row by row.
-    pub entries: Vec<Expr<'a>>,
-}
+/// A matrix of expressions.
+pub type Matrix<'a> = Entries<Expr<'a>>;
 
 impl<'a> Vector<'a> {
     /// The zero vector.
@@ -61,7 +54,8 @@ impl<'a> Vector<'a> {
         Self(self.0[range].to_vec())
     }
 
-    fn zip(&self, other: &Self, f: impl Fn(Expr<'a>, Expr<'a>) -> Expr<'a>) -> Self {
+    /// Combines components in the same places.
+    pub fn zip(&self, other: &Self, f: impl Fn(Expr<'a>, Expr<'a>) -> Expr<'a>) -> Self {
         debug_assert_eq!(self.len(), other.len());
         Self(self.iter().zip(other.iter()).map(|(a, b)| f(a, b)).collect())
     }
@@ -120,8 +114,9 @@ impl<'a> Vector<'a> {
 
     /// Whether any of the symbols occurs in any component.
     pub fn depends_on(&self, symbols: &[Symbol]) -> bool {
+        let nodes = self.iter().map(|component| component.id);
         let first = self.0.first();
-        first.is_some_and(|first| first.arena.depend_on(self.iter().map(|component| component.id), symbols))
+        first.is_some_and(|first| first.arena.any_symbol(nodes, |symbol| symbols.contains(&symbol)))
     }
 }
 
@@ -147,17 +142,10 @@ impl<'a> std::ops::Neg for &Vector<'a> {
 }
 
 impl<'a> Matrix<'a> {
-    /// A matrix of entries given row by row.
-    pub fn new(rows: usize, columns: usize, entries: Vec<Expr<'a>>) -> Self {
-        debug_assert_eq!(entries.len(), rows * columns);
-        Self { rows, columns, entries }
-    }
-
     /// A diagonal matrix.
     pub fn diagonal(entries: &Vector<'a>) -> Self {
-        let n = entries.len();
         let entry = |i: usize, j: usize| if i == j { entries.0[i] } else { entries.0[i].arena.zero() };
-        Self::new(n, n, (0..n * n).map(|k| entry(k / n, k % n)).collect())
+        Self::from_fn(entries.len(), entries.len(), entry)
     }
 
     /// The identity of `n` rows.
@@ -167,29 +155,12 @@ impl<'a> Matrix<'a> {
 
     /// A matrix of these columns, at least one, all of one length.
     pub fn from_columns(columns: &[Vector<'a>]) -> Self {
-        let (rows, count) = (columns.first().map_or(0, Vector::len), columns.len());
-        Self::new(rows, count, (0..rows * count).map(|k| columns[k % count].0[k / count]).collect())
-    }
-
-    /// The entry in row `i` and column `j`.
-    pub fn at(&self, i: usize, j: usize) -> Expr<'a> {
-        self.entries[i * self.columns + j]
-    }
-
-    /// The image of each entry.
-    pub fn map(&self, f: impl FnMut(Expr<'a>) -> Expr<'a>) -> Self {
-        Self::new(self.rows, self.columns, self.entries.iter().copied().map(f).collect())
+        Self::from_fn(columns.first().map_or(0, Vector::len), columns.len(), |i, j| columns[j].0[i])
     }
 
     /// `factor · self`
     pub fn scale(&self, factor: Expr<'a>) -> Self {
         self.map(|x| factor * x)
-    }
-
-    /// The transposed matrix.
-    pub fn transpose(&self) -> Self {
-        let entries = (0..self.columns).flat_map(|j| (0..self.rows).map(move |i| self.at(i, j))).collect();
-        Self::new(self.columns, self.rows, entries)
     }
 
     /// A row.
@@ -209,17 +180,7 @@ impl<'a> Matrix<'a> {
 
     /// `self · other`
     pub fn times_matrix(&self, other: &Self) -> Self {
-        let entries = (0..self.rows)
-            .flat_map(|i| (0..other.columns).map(move |j| (i, j)))
-            .map(|(i, j)| self.row(i).dot(&other.column(j)))
-            .collect();
-        Self::new(self.rows, other.columns, entries)
-    }
-
-    /// Combines entries in the same places.
-    pub fn zip(&self, other: &Self, f: impl Fn(Expr<'a>, Expr<'a>) -> Expr<'a>) -> Self {
-        let entries = self.entries.iter().zip(&other.entries).map(|(&a, &b)| f(a, b)).collect();
-        Self::new(self.rows, self.columns, entries)
+        Self::from_fn(self.rows, other.columns, |i, j| self.row(i).dot(&other.column(j)))
     }
 
     /// The solution of `self · x = right` for at most three unknowns, by the adjugate: no pivots, one division. None if
@@ -230,10 +191,12 @@ impl<'a> Matrix<'a> {
             1 => vec![right.0[0].arena.one()],
             2 => vec![m(1, 1), -m(0, 1), -m(1, 0), m(0, 0)],
             // cyclic cofactors: adj_ij = m_{j+1,i+1} m_{j+2,i+2} − m_{j+1,i+2} m_{j+2,i+1}
-            _ => (0..9)
-                .map(|k| (k / 3, k % 3))
-                .map(|(i, j)| m(j + 1, i + 1) * m(j + 2, i + 2) - m(j + 1, i + 2) * m(j + 2, i + 1))
-                .collect(),
+            _ => {
+                let cofactor = |i: usize, j: usize| {
+                    m(j + 1, i + 1) * m(j + 2, i + 2) - m(j + 1, i + 2) * m(j + 2, i + 1)
+                };
+                Self::from_fn(3, 3, cofactor).entries
+            }
         };
         let adjugate = Self::new(self.rows, self.rows, adjugate);
         let determinant = self.row(0).dot(&adjugate.column(0));
@@ -321,12 +284,7 @@ impl<'a> Matrix<'a> {
     pub fn solve_symmetric(&self, right: &Vector<'a>) -> Vector<'a> {
         let n = self.rows;
         let (l, d) = self.ldl();
-        let mut x = right.0.clone();
-        for i in 0..n {
-            for k in 0..i {
-                x[i] = x[i] - l.at(i, k) * x[k];
-            }
-        }
+        let mut x = l.substituted(right).0;
         for i in (0..n).rev() {
             x[i] = x[i] / d.0[i];
             for k in i + 1..n {
@@ -336,10 +294,15 @@ impl<'a> Matrix<'a> {
         Vector(x)
     }
 
-    /// The rows and columns of these indices.
-    pub fn block(&self, indices: &[usize]) -> Self {
-        let entries = indices.iter().flat_map(|&i| indices.iter().map(move |&j| self.at(i, j)));
-        Self::new(indices.len(), indices.len(), entries.collect())
+    /// The solution of `self · x = right` for a unit lower triangular matrix.
+    pub fn substituted(&self, right: &Vector<'a>) -> Vector<'a> {
+        let mut x = right.0.clone();
+        for i in 0..x.len() {
+            for k in 0..i {
+                x[i] = x[i] - self.at(i, k) * x[k];
+            }
+        }
+        Vector(x)
     }
 
     /// `L` (unit lower triangular) and the pivots `d` of `self = L diag(d) Lᵀ`, for a symmetric matrix, of which only
@@ -347,7 +310,7 @@ impl<'a> Matrix<'a> {
     pub fn ldl(&self) -> (Self, Vector<'a>) {
         let n = self.rows;
         let arena = self.entries[0].arena;
-        let mut l = Self::diagonal(&Vector(vec![arena.one(); n]));
+        let mut l = Self::identity(arena, n);
         let mut d = Vec::with_capacity(n);
         for j in 0..n {
             let reduced = |l: &Self, d: &[Expr<'a>], i: usize| {

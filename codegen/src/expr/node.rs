@@ -108,9 +108,7 @@ impl Node {
             Self::Power(x, y) | Self::Atan2(x, y) => [*x, *y].get(k).copied(),
         }
     }
-}
 
-impl Node {
     /// Whether its own constants are neither infinite nor not a number.
     pub(super) fn is_finite(&self) -> bool {
         match self {

@@ -175,12 +175,9 @@ impl Number {
 
     /// The square root where it is rational.
     pub fn exact_sqrt(self) -> Option<Self> {
-        let Self::Rational(r) = self else { return None };
-        let root = |n: i64| {
-            let s = (n as f64).sqrt().round() as i64;
-            (s * s == n).then_some(i128::from(s))
-        };
-        if r.is_negative() { None } else { Some(Self::ratio(root(*r.numer())?, root(*r.denom())?)) }
+        let root = |square: i128| square.checked_isqrt().filter(|root| root * root == square);
+        let (numerator, denominator) = self.fraction()?;
+        Some(Self::ratio(root(numerator)?, root(denominator)?))
     }
 
     /// The whole number that it is.

@@ -6,14 +6,6 @@ use super::expression::Expr;
 use super::node::{Id, Node, Symbol};
 use super::number::Number;
 
-/// `numerator / denominator`
-pub struct Quotient<'a> {
-    /// Holds no quotient by what depends on the symbols.
-    pub numerator: Expr<'a>,
-    /// Depends on the symbols, or is 1.
-    pub denominator: Expr<'a>,
-}
-
 /// What is known of a node.
 #[derive(Clone, Copy)]
 enum Form {
@@ -26,9 +18,9 @@ enum Form {
 }
 
 impl<'a> Expr<'a> {
-    /// As a quotient by what depends on these symbols, or by 1 if there is no such quotient in it. None if there are
-    /// several, or one that is no factor of all.
-    pub fn as_quotient(self, symbols: &[Symbol]) -> Option<Quotient<'a>> {
+    /// Numerator and denominator of a quotient by what depends on these symbols, or by 1 if there is no such quotient in
+    /// it. None if there are several, or one that is no factor of all.
+    pub fn as_quotient(self, symbols: &[Symbol]) -> Option<(Self, Self)> {
         let arena = self.arena;
         let mut forms: FxHashMap<Id, (Form, bool)> = FxHashMap::default();
         for id in arena.post_order([self.id], |_| false) {
@@ -41,10 +33,8 @@ impl<'a> Expr<'a> {
             forms.insert(id, (form, depends));
         }
         match forms[&self.id].0 {
-            Form::Whole => Some(Quotient { numerator: self, denominator: arena.one() }),
-            Form::Quotient(numerator, denominator) => {
-                Some(Quotient { numerator: arena.expr(numerator), denominator: arena.expr(denominator) })
-            }
+            Form::Whole => Some((self, arena.one())),
+            Form::Quotient(numerator, denominator) => Some((arena.expr(numerator), arena.expr(denominator))),
             Form::Other => None,
         }
     }

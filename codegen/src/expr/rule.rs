@@ -4,9 +4,10 @@
 //! short. [`Vector::with_rule`] attaches such a rule to a vector; [`Derivative`](super::Derivative) uses it in place of
 //! the chain rule. The [gradient](super::gradient()) does not.
 
+use std::rc::Rc;
 use std::sync::Arc;
 
-use super::arena::{Arena, NodeRule, RuleApplied};
+use super::arena::{Arena, RuleApplied};
 use super::linear::Vector;
 use super::node::Id;
 
@@ -14,14 +15,6 @@ use super::node::Id;
 pub trait DerivativeRule: Send + Sync {
     /// The change of values along changes of their arguments; `given` is what else it needs.
     fn along<'a>(&self, values: &Vector<'a>, given: &Vector<'a>, changes: &Vector<'a>) -> Vector<'a>;
-}
-
-impl<R: DerivativeRule> NodeRule for R {
-    fn along(&self, arena: &Arena, values: &[Id], given: &[Id], changes: &[Id]) -> Vec<Id> {
-        let vector = |ids: &[Id]| Vector(ids.iter().map(|&id| arena.expr(id)).collect());
-        let change = DerivativeRule::along(self, &vector(values), &vector(given), &vector(changes));
-        change.iter().map(|change| change.id).collect()
-    }
 }
 
 impl<'a> Vector<'a> {
@@ -34,9 +27,14 @@ impl<'a> Vector<'a> {
     ) -> Self {
         let values = self.hold();
         let ids = |vector: &Self| vector.iter().map(|component| component.id).collect();
+        let along = move |arena: &Arena, of: &RuleApplied, changes: &[Id]| {
+            let vector = |ids: &[Id]| Vector(ids.iter().map(|&id| arena.expr(id)).collect());
+            let change = rule.along(&vector(&of.values), &vector(&of.given), &vector(changes));
+            change.iter().map(|change| change.id).collect()
+        };
         if let Some(first) = values.iter().next() {
             let (values, arguments, given) = (ids(&values), ids(arguments), ids(given));
-            first.arena.insert_rule(RuleApplied { values, arguments, given, rule });
+            first.arena.insert_rule(RuleApplied { values, arguments, given, along: Rc::new(along) });
         }
         values
     }

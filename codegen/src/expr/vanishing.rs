@@ -19,7 +19,7 @@
 //! `ρ² = s + w²` and `a(cos θ) = θ / sin θ`. What is smooth though it is written with roots, as the square of an angle,
 //! has derivatives of all orders then.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use rustc_hash::FxHashMap;
 
@@ -47,11 +47,11 @@ impl<'a> Expr<'a> {
 
 /// Gives derivatives their limits where roots are zero.
 #[derive(Default)]
-pub(super) struct Limits(Vec<Vanishing>);
+pub(super) struct Limits<'a>(Vec<Vanishing<'a>>);
 
-impl Limits {
+impl<'a> Limits<'a> {
     /// Of one expression.
-    pub(super) fn of<'a>(&mut self, expr: Expr<'a>) -> Expr<'a> {
+    pub(super) fn of(&mut self, expr: Expr<'a>) -> Expr<'a> {
         let arena = expr.arena;
         let (mut id, mut place) = (expr.id, 0);
         // one base after the other; what is made for one can have another
@@ -59,7 +59,7 @@ impl Limits {
             if self.0.len() == place {
                 self.0.push(Vanishing::new(arena, base));
             }
-            id = self.0[place].limit(arena, id, 0.0);
+            id = self.0[place].limit(id, 0.0);
             place += 1;
         }
         if id != expr.id {
@@ -117,7 +117,8 @@ impl Arena {
 }
 
 /// What vanishes with the base of a root, and what becomes of derivatives there.
-struct Vanishing {
+struct Vanishing<'a> {
+    arena: &'a Arena,
     base: Id,
     /// The base as a product of powers.
     factors: Vec<(Id, i32)>,
@@ -133,31 +134,31 @@ struct Vanishing {
     limits: FxHashMap<(Id, u64), Id>,
 }
 
-impl Vanishing {
-    fn new(arena: &Arena, base: Id) -> Self {
+impl<'a> Vanishing<'a> {
+    fn new(arena: &'a Arena, base: Id) -> Self {
         let factors = match arena.node(base) {
             Node::Product(factors) => factors.to_vec(),
             _ => Vec::new(),
         };
         let (orders, rows) = Default::default();
         let (divided, odd, limits) = Default::default();
-        let mut vanishing = Self { base, factors, orders, rows, divided, odd, limits };
-        vanishing.learn(arena, base, 1.0);
+        let mut vanishing = Self { arena, base, factors, orders, rows, divided, odd, limits };
+        vanishing.learn(base, 1.0);
         vanishing
     }
 
     /// Takes note of what vanishes with a node that vanishes to an order.
-    fn learn(&mut self, arena: &Arena, id: Id, order: f64) {
+    fn learn(&mut self, id: Id, order: f64) {
         self.orders.insert(id, order);
-        match arena.node(id) {
-            Node::Held(inner) => self.learn(arena, inner, order),
-            Node::Product(_) => self.learn_square(arena, id, order),
+        match self.arena.node(id) {
+            Node::Held(inner) => self.learn(inner, order),
+            Node::Product(_) => self.learn_square(id, order),
             Node::Sum(sum) => {
                 let is_positive =
-                    |&(term, c): &(Id, Number)| !c.is_negative() && square(arena, term).is_some();
+                    |&(term, c): &(Id, Number)| !c.is_negative() && square(self.arena, term).is_some();
                 if sum.constant.is_zero() && sum.terms.iter().all(is_positive) {
                     // none of them is more than the sum
-                    sum.terms.iter().for_each(|&(term, _)| self.learn_square(arena, term, order));
+                    sum.terms.iter().for_each(|&(term, _)| self.learn_square(term, order));
                 } else if sum.constant.is_zero() {
                     self.learn_row(sum.terms.iter().copied().collect(), order);
                 }
@@ -167,10 +168,10 @@ impl Vanishing {
     }
 
     /// Of a square times what is positive.
-    fn learn_square(&mut self, arena: &Arena, term: Id, order: f64) {
+    fn learn_square(&mut self, term: Id, order: f64) {
         self.orders.insert(term, order);
-        if let Some(Some((factor, exponent))) = square(arena, term) {
-            self.learn(arena, factor, order / f64::from(exponent));
+        if let Some(Some((factor, exponent))) = square(self.arena, term) {
+            self.learn(factor, order / f64::from(exponent));
         }
     }
 
@@ -199,49 +200,47 @@ impl Vanishing {
     }
 
     /// The exponent of a power of the base.
-    fn exponent(&self, arena: &Arena, id: Id) -> Option<Number> {
+    fn exponent(&self, id: Id) -> Option<Number> {
         if id == self.base {
             return Some(Number::ONE);
         }
-        match arena.node(id) {
-            Node::Function(Function::Sqrt, x) => Some(self.exponent(arena, x)? * half()),
-            Node::Function(Function::RecipOrZero, x) => Some(-self.exponent(arena, x)?),
-            Node::Power(x, exponent) => match arena.node(exponent) {
-                Node::Number(number) => Some(self.exponent(arena, x)? * number),
+        match self.arena.node(id) {
+            Node::Function(Function::Sqrt, x) => Some(self.exponent(x)? * half()),
+            Node::Function(Function::RecipOrZero, x) => Some(-self.exponent(x)?),
+            Node::Power(x, exponent) => match self.arena.node(exponent) {
+                Node::Number(number) => Some(self.exponent(x)? * number),
                 _ => None,
             },
             Node::Product(factors) => factors.iter().try_fold(Number::ZERO, |sum, &(factor, e)| {
-                Some(sum + self.exponent(arena, factor)? * Number::from(i64::from(e)))
+                Some(sum + self.exponent(factor)? * Number::from(i64::from(e)))
             }),
             _ => None,
         }
     }
 
     /// The base to a power.
-    fn power(&self, arena: &Arena, exponent: Number) -> Id {
+    fn power(&self, exponent: Number) -> Id {
         let quarters = exponent * Number::from(4);
         if let (Some((_, 1)), Some((_, 4))) = (quarters.fraction(), exponent.fraction()) {
-            return arena.power(
-                arena.function(Function::Sqrt, self.base),
-                arena.number(exponent * Number::from(2)).id,
+            return self.arena.power(
+                self.arena.function(Function::Sqrt, self.base),
+                self.arena.number(exponent * Number::from(2)).id,
             );
         }
-        arena.power(self.base, arena.number(exponent).id)
+        self.arena.power(self.base, self.arena.number(exponent).id)
     }
 
     /// Whether there is a negative power of the base in it, in a term of a sum or a factor of a product.
-    fn is_divided(&mut self, arena: &Arena, root: Id) -> bool {
-        for id in unknown(arena, root, &self.divided) {
-            let is_divided = match arena.node(id) {
-                Node::Product(factors) => {
-                    factors.iter().any(|&(factor, e)| match self.exponent(arena, factor) {
-                        Some(exponent) => exponent.is_negative() != (e < 0),
-                        None => self.divided[&factor],
-                    })
-                }
+    fn is_divided(&mut self, root: Id) -> bool {
+        for id in self.arena.unknown(root, &self.divided) {
+            let is_divided = match self.arena.node(id) {
+                Node::Product(factors) => factors.iter().any(|&(factor, e)| match self.exponent(factor) {
+                    Some(exponent) => exponent.is_negative() != (e < 0),
+                    None => self.divided[&factor],
+                }),
                 Node::Sum(sum) => sum.terms.iter().any(|(term, _)| self.divided[term]),
                 Node::Held(inner) => self.divided[&inner],
-                _ => self.exponent(arena, id).is_some_and(Number::is_negative),
+                _ => self.exponent(id).is_some_and(Number::is_negative),
             };
             self.divided.insert(id, is_divided);
         }
@@ -249,20 +248,20 @@ impl Vanishing {
     }
 
     /// A lower bound of the order to which a node vanishes with the base.
-    fn order(&mut self, arena: &Arena, root: Id) -> f64 {
-        for id in unknown(arena, root, &self.orders) {
-            let order = self.order_of_node(arena, id);
+    fn order(&mut self, root: Id) -> f64 {
+        for id in self.arena.unknown(root, &self.orders) {
+            let order = self.order_of_node(id);
             self.orders.insert(id, order);
         }
         self.orders[&root]
     }
 
     /// The same, when those of what it is made of are known.
-    fn order_of_node(&self, arena: &Arena, id: Id) -> f64 {
-        if let Some(exponent) = self.exponent(arena, id) {
+    fn order_of_node(&self, id: Id) -> f64 {
+        if let Some(exponent) = self.exponent(id) {
             return exponent.to_f64();
         }
-        match arena.node(id) {
+        match self.arena.node(id) {
             Node::Number(number) if number.is_zero() => f64::INFINITY,
             Node::Number(_) | Node::Symbol(_) | Node::Atan2(..) => 0.0,
             Node::Held(inner) => self.orders[&inner],
@@ -274,7 +273,7 @@ impl Vanishing {
             Node::Function(Function::RecipOrZero, x) => powered(self.orders[&x], -1.0),
             Node::Function(function, x) if function.is_odd() => self.orders[&x].max(0.0),
             Node::Function(..) => 0.0,
-            Node::Power(x, exponent) => match arena.node(exponent) {
+            Node::Power(x, exponent) => match self.arena.node(exponent) {
                 Node::Number(number) => powered(self.orders[&x], number.to_f64()),
                 _ => 0.0,
             },
@@ -295,36 +294,35 @@ impl Vanishing {
     }
 
     /// A node that is multiplied by something of an order.
-    fn limit(&mut self, arena: &Arena, id: Id, around: f64) -> Id {
-        if !self.is_divided(arena, id) || arena.is_exhausted() {
+    fn limit(&mut self, id: Id, around: f64) -> Id {
+        if !self.is_divided(id) || self.arena.is_exhausted() {
             return id;
         }
         let key = (id, around.to_bits());
         if let Some(&known) = self.limits.get(&key) {
             return known;
         }
-        let limit = match arena.node(id) {
+        let limit = match self.arena.node(id) {
             Node::Sum(sum) => {
-                let terms: Vec<_> =
-                    sum.terms.iter().map(|&(x, c)| (self.limit(arena, x, around), c)).collect();
-                arena.sum(sum.constant, terms)
+                let terms: Vec<_> = sum.terms.iter().map(|&(x, c)| (self.limit(x, around), c)).collect();
+                self.arena.sum(sum.constant, terms)
             }
-            Node::Held(inner) => arena.held(self.limit(arena, inner, around)),
-            Node::Product(factors) => self.limit_of_product(arena, &factors, around),
-            _ => self.limit_of_product(arena, &[(id, 1)], around),
+            Node::Held(inner) => self.arena.held(self.limit(inner, around)),
+            Node::Product(factors) => self.limit_of_product(&factors, around),
+            _ => self.limit_of_product(&[(id, 1)], around),
         };
         if limit != id {
-            arena.pass_role(id, limit);
+            self.arena.pass_role(id, limit);
         }
         self.limits.insert(key, limit);
         limit
     }
 
-    fn limit_of_product(&mut self, arena: &Arena, factors: &[(Id, i32)], around: f64) -> Id {
-        let Monomial { power, mut rest, is_simpler, .. } = self.simplified(arena, factors);
+    fn limit_of_product(&mut self, factors: &[(Id, i32)], around: f64) -> Id {
+        let Monomial { power, mut rest, is_simpler, .. } = self.simplified(factors);
         let mut total = around + power.to_f64();
         for &(factor, e) in &rest {
-            total += powered(self.order(arena, factor), f64::from(e));
+            total += powered(self.order(factor), f64::from(e));
         }
         let has_limit = power.is_negative() && total > POSITIVE;
         if !is_simpler && !has_limit {
@@ -332,24 +330,24 @@ impl Vanishing {
             rest = factors.to_vec();
         }
         for (factor, e) in &mut rest {
-            if *e > 0 && self.exponent(arena, *factor).is_none() {
-                let others = total - self.order(arena, *factor);
-                *factor = self.limit(arena, *factor, others);
+            if *e > 0 && self.exponent(*factor).is_none() {
+                let others = total - self.order(*factor);
+                *factor = self.limit(*factor, others);
             }
         }
         if has_limit {
-            rest.push((arena.function(Function::RecipOrZero, self.power(arena, -power)), 1));
+            rest.push((self.arena.function(Function::RecipOrZero, self.power(-power)), 1));
         } else if is_simpler {
-            rest.push((self.power(arena, power), 1));
+            rest.push((self.power(power), 1));
         }
-        arena.product(Number::ONE, rest)
+        self.arena.product(Number::ONE, rest)
     }
 
     /// A product with as few powers of the base in the denominator as there can be.
-    fn simplified(&mut self, arena: &Arena, factors: &[(Id, i32)]) -> Monomial {
-        let mut monomial = self.monomial(arena, factors);
-        if monomial.has_positive || self.odd_factor(arena, &monomial).is_some() {
-            self.take_denominators_out(arena, &mut monomial);
+    fn simplified(&mut self, factors: &[(Id, i32)]) -> Monomial {
+        let mut monomial = self.monomial(factors);
+        if monomial.has_positive || self.odd_factor(&monomial).is_some() {
+            self.take_denominators_out(&mut monomial);
         }
         // what the base is a product of
         while monomial.power.is_negative() && !self.factors.is_empty() && monomial.divide(&self.factors) {
@@ -357,12 +355,12 @@ impl Vanishing {
             monomial.is_simpler = true;
         }
         while monomial.power.is_negative() {
-            let Some(place) = self.odd_factor(arena, &monomial) else { break };
+            let Some(place) = self.odd_factor(&monomial) else { break };
             let factor = monomial.rest[place].0;
             monomial.rest[place].1 -= 1;
             monomial.rest.retain(|&(_, e)| e != 0);
-            let quotient = self.over_root(arena, factor);
-            let more = self.monomial(arena, &[(quotient, 1)]);
+            let quotient = self.over_root(factor);
+            let more = self.monomial(&[(quotient, 1)]);
             monomial.power = monomial.power + half() + more.power;
             monomial.rest.extend(more.rest);
             monomial.is_simpler = true;
@@ -371,17 +369,17 @@ impl Vanishing {
     }
 
     /// The place of a factor that is odd.
-    fn odd_factor(&mut self, arena: &Arena, monomial: &Monomial) -> Option<usize> {
-        monomial.rest.iter().position(|&(factor, e)| e > 0 && self.is_odd(arena, factor))
+    fn odd_factor(&mut self, monomial: &Monomial) -> Option<usize> {
+        monomial.rest.iter().position(|&(factor, e)| e > 0 && self.is_odd(factor))
     }
 
     /// A product, with all powers of the base together.
-    fn monomial(&self, arena: &Arena, factors: &[(Id, i32)]) -> Monomial {
+    fn monomial(&self, factors: &[(Id, i32)]) -> Monomial {
         let (mut power, mut rest) = (Number::ZERO, Vec::new());
         let (mut has_positive, mut has_negative, mut is_simpler) = (false, false, false);
         let mut pending = factors.to_vec();
         while let Some((factor, e)) = pending.pop() {
-            match (self.exponent(arena, factor), arena.node(factor)) {
+            match (self.exponent(factor), self.arena.node(factor)) {
                 (Some(exponent), node) => {
                     let exponent = exponent * Number::from(i64::from(e));
                     power = power + exponent;
@@ -395,7 +393,7 @@ impl Vanishing {
                 }
                 (None, Node::Sum(sum)) if sum.is_scaled_term() => {
                     let (term, number) = sum.terms[0];
-                    rest.push((arena.number(number.powi(e)).id, 1));
+                    rest.push((self.arena.number(number.powi(e)).id, 1));
                     pending.push((term, e));
                 }
                 (None, _) => rest.push((factor, e)),
@@ -406,19 +404,19 @@ impl Vanishing {
     }
 
     /// Takes the root out of the denominators in the sums among the factors: `r (x/r + y) = r r⁻¹ (x + y r)`.
-    fn take_denominators_out(&mut self, arena: &Arena, monomial: &mut Monomial) {
+    fn take_denominators_out(&mut self, monomial: &mut Monomial) {
         for place in 0..monomial.rest.len() {
             let (factor, e) = monomial.rest[place];
-            let inner = match arena.node(factor) {
+            let inner = match self.arena.node(factor) {
                 Node::Held(inner) => inner,
                 _ => factor,
             };
-            let Node::Sum(sum) = arena.node(inner) else { continue };
-            if e != 1 || !self.is_divided(arena, factor) {
+            let Node::Sum(sum) = self.arena.node(inner) else { continue };
+            if e != 1 || !self.is_divided(factor) {
                 continue;
             }
             let terms: Vec<(Monomial, Number)> =
-                sum.terms.iter().map(|&(term, c)| (self.monomial(arena, &[(term, 1)]), c)).collect();
+                sum.terms.iter().map(|&(term, c)| (self.monomial(&[(term, 1)]), c)).collect();
             let powers = terms.iter().map(|(term, _)| term.power);
             let Some(least) = powers.reduce(|a, b| if b < a { b } else { a }) else { continue };
             if !least.is_negative() {
@@ -427,21 +425,21 @@ impl Vanishing {
             let terms: Vec<_> = terms
                 .into_iter()
                 .map(|(Monomial { power, rest, .. }, c)| {
-                    let of_base = self.power(arena, power + -least);
-                    (arena.product(Number::ONE, rest.into_iter().chain([(of_base, 1)])), c)
+                    let of_base = self.power(power + -least);
+                    (self.arena.product(Number::ONE, rest.into_iter().chain([(of_base, 1)])), c)
                 })
-                .chain((!sum.constant.is_zero()).then(|| (self.power(arena, -least), sum.constant)))
+                .chain((!sum.constant.is_zero()).then(|| (self.power(-least), sum.constant)))
                 .collect();
-            monomial.rest[place].0 = arena.sum(Number::ZERO, terms);
+            monomial.rest[place].0 = self.arena.sum(Number::ZERO, terms);
             monomial.power = monomial.power + least;
             monomial.is_simpler = true;
         }
     }
 
     /// Whether it is an odd function of the root, times what depends on its square alone.
-    fn is_odd(&mut self, arena: &Arena, root: Id) -> bool {
-        for id in unknown(arena, root, &self.odd) {
-            let is_odd = match (self.exponent(arena, id), arena.node(id)) {
+    fn is_odd(&mut self, root: Id) -> bool {
+        for id in self.arena.unknown(root, &self.odd) {
+            let is_odd = match (self.exponent(id), self.arena.node(id)) {
                 (Some(exponent), _) => exponent >= half(),
                 (None, Node::Held(inner)) => self.odd[&inner],
                 (None, Node::Sum(sum)) => {
@@ -450,7 +448,7 @@ impl Vanishing {
                 (None, Node::Product(factors)) => {
                     factors.iter().any(|(factor, e)| *e > 0 && self.odd[factor])
                 }
-                (None, Node::Function(Function::Acos, x)) => radicand_of_acos(arena, x) == self.base,
+                (None, Node::Function(Function::Acos, x)) => radicand_of_acos(self.arena, x) == self.base,
                 (None, Node::Function(function, x)) => function.is_odd() && self.odd[&x],
                 (None, Node::Atan2(y, _)) => self.odd[&y],
                 (None, Node::Number(_) | Node::Symbol(_) | Node::Power(..)) => false,
@@ -461,34 +459,34 @@ impl Vanishing {
     }
 
     /// The quotient of what is odd by the root.
-    fn over_root(&mut self, arena: &Arena, id: Id) -> Id {
-        if let Some(exponent) = self.exponent(arena, id) {
-            return self.power(arena, exponent + -half());
+    fn over_root(&mut self, id: Id) -> Id {
+        if let Some(exponent) = self.exponent(id) {
+            return self.power(exponent + -half());
         }
-        let expr = |id: Id| arena.expr(id);
-        let one = arena.one();
+        let expr = |id: Id| self.arena.expr(id);
+        let one = self.arena.one();
         // θ/sin θ over ρ, at cos θ = w/ρ: the angle over y, where y = ρ sin θ
         let angle = |w: Expr<'_>, squared: Id| {
             let rho = expr(squared).sqrt();
-            arena.function(Function::AngleOverSine(0), (expr(w.id) / rho).id)
+            self.arena.function(Function::AngleOverSine(0), (expr(w.id) / rho).id)
         };
-        match arena.node(id) {
-            Node::Held(inner) => self.over_root(arena, inner),
+        match self.arena.node(id) {
+            Node::Held(inner) => self.over_root(inner),
             Node::Sum(sum) => {
-                let terms: Vec<_> = sum.terms.iter().map(|&(x, c)| (self.over_root(arena, x), c)).collect();
-                arena.sum(Number::ZERO, terms)
+                let terms: Vec<_> = sum.terms.iter().map(|&(x, c)| (self.over_root(x), c)).collect();
+                self.arena.sum(Number::ZERO, terms)
             }
             Node::Product(factors) => {
                 let mut factors = factors.to_vec();
-                let place = factors.iter().position(|&(factor, e)| e > 0 && self.is_odd(arena, factor));
+                let place = factors.iter().position(|&(factor, e)| e > 0 && self.is_odd(factor));
                 if let Some(place) = place {
                     factors[place].1 -= 1;
-                    let quotient = self.over_root(arena, factors[place].0);
+                    let quotient = self.over_root(factors[place].0);
                     factors.push((quotient, 1));
                 }
-                arena.product(Number::ONE, factors)
+                self.arena.product(Number::ONE, factors)
             }
-            Node::Function(Function::Acos, x) => arena.function(Function::AngleOverSine(0), x),
+            Node::Function(Function::Acos, x) => self.arena.function(Function::AngleOverSine(0), x),
             Node::Function(function, x) => {
                 let z = expr(x).powi(2);
                 let smooth = match function {
@@ -499,11 +497,11 @@ impl Vanishing {
                     Function::Asin => (one - z).sqrt().apply(Function::AngleOverSine(0)),
                     _ => expr(angle(one, (one + z).id)) / (one + z).sqrt(),
                 };
-                (smooth * expr(self.over_root(arena, x))).id
+                (smooth * expr(self.over_root(x))).id
             }
             Node::Atan2(y, x) => {
                 let squared = expr(y).powi(2) + expr(x).powi(2);
-                (expr(angle(expr(x), squared.id)) / squared.sqrt() * expr(self.over_root(arena, y))).id
+                (expr(angle(expr(x), squared.id)) / squared.sqrt() * expr(self.over_root(y))).id
             }
             _ => id,
         }
@@ -534,18 +532,6 @@ impl Monomial {
         self.rest = merged.into_iter().filter(|&(_, e)| e != 0).collect();
         true
     }
-}
-
-/// What a node is made of and nothing is known of, itself included; operands before what is made of them.
-fn unknown<T>(arena: &Arena, id: Id, known: &FxHashMap<Id, T>) -> BTreeSet<Id> {
-    let mut unknown = BTreeSet::new();
-    let mut pending = vec![id];
-    while let Some(id) = pending.pop() {
-        if !known.contains_key(&id) && unknown.insert(id) {
-            pending.extend(arena.node(id).operands());
-        }
-    }
-    unknown
 }
 
 /// The order of a power of something of an order. What may vanish faster than is known has a reciprocal without bound.

@@ -12,7 +12,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 use num_rational::Ratio;
-use num_traits::Signed;
 
 use super::exact::Rational;
 use super::{Semidirect, Structure};
@@ -118,19 +117,26 @@ fn expanded(polynomial: &Polynomial, rows: &[Vec<Ratio<i64>>]) -> Option<Polynom
         }
     }
     terms.retain(|_, coefficient| !coefficient.is_zero());
-    let parts: Vec<(i128, i128)> = terms.values().map(Rational::parts).collect::<Option<_>>()?;
+    let terms = terms.into_iter().map(|(monomial, coefficient)| Some((monomial, coefficient.parts()?)));
+    primitive(terms.collect::<Option<_>>()?, i128::MAX)
+}
+
+/// The multiple of a polynomial, of which numerators and denominators are given, with whole coefficients that have no
+/// common divisor; the last one is positive. None if coefficients grow too large, or their denominators' multiple.
+fn primitive(terms: Vec<(Monomial, (i128, i128))>, largest: i128) -> Option<Polynomial> {
+    let parts = || terms.iter().map(|&(_, parts)| parts);
     // of the numerators the divisor, of the denominators the multiple, with the sign of the last one
-    let divisor =
-        parts.iter().fold(0, |divisor, &(numerator, _)| greatest_common_divisor(divisor, numerator));
-    let multiple = parts.iter().try_fold(1_i128, |multiple, &(_, denominator)| {
-        multiple.checked_mul(denominator / greatest_common_divisor(multiple, denominator))
+    let divisor = parts().fold(0, |divisor, (numerator, _)| greatest_common_divisor(divisor, numerator));
+    let multiple = parts().try_fold(1_i128, |multiple, (_, denominator)| {
+        let next = multiple.checked_mul(denominator / greatest_common_divisor(multiple, denominator))?;
+        (next < largest).then_some(next)
     })?;
-    let sign = parts.last()?.0.signum();
-    let whole = parts.iter().map(|(numerator, denominator)| {
+    let sign = parts().next_back()?.0.signum();
+    let whole = terms.into_iter().map(|(monomial, (numerator, denominator))| {
         let whole = (sign * numerator / divisor).checked_mul(multiple / denominator)?;
-        i64::try_from(whole).ok()
+        Some((monomial, i64::try_from(whole).ok()?))
     });
-    terms.into_keys().zip(whole).map(|(monomial, x)| Some((monomial, x?))).collect()
+    whole.collect()
 }
 
 /// Numbers modulo the prime at which no polynomial of low degree vanishes by chance, the same each time.
@@ -252,28 +258,22 @@ fn kernel(
     let mut space: Vec<Sparse<Monomial>> =
         monomials.into_iter().map(|monomial| Sparse::from([(monomial, 1)])).collect();
     for &j in derivations {
-        let mut images: Vec<(Sparse<Monomial>, Sparse<Monomial>)> = Vec::new();
-        let mut pivots: BTreeMap<Monomial, usize> = BTreeMap::new();
-        let mut kept = Vec::new();
-        for polynomial in space {
-            let (mut image, mut polynomial) = (derived(structure, &polynomial, j), polynomial);
-            loop {
-                let Some((pivot, &value)) = image.last_key_value() else {
-                    kept.push(polynomial);
-                    break;
-                };
-                let Some(&place) = pivots.get(pivot) else {
-                    pivots.insert(pivot.clone(), images.len());
-                    images.push((image, polynomial));
-                    break;
-                };
-                let (other, source) = &images[place];
-                let factor = value * inverse(other[pivot]) % PRIME;
-                subtract(&mut polynomial, factor, source);
-                subtract(&mut image, factor, other);
+        // images, each with what it is the image of before it: where the image is gone, that is in the kernel
+        let mut images = Echelon::default();
+        let of_image = |polynomial: Sparse<Monomial>| {
+            let image =
+                derived(structure, &polynomial, j).into_iter().map(|(monomial, x)| ((true, monomial), x));
+            let source = polynomial.into_iter().map(|(monomial, x)| ((false, monomial), x));
+            let rest = images.reduce(source.chain(image).collect());
+            match rest.last_key_value() {
+                Some(((true, _), _)) => {
+                    images.push(rest);
+                    None
+                }
+                _ => Some(rest.into_iter().map(|((_, monomial), x)| (monomial, x)).collect()),
             }
-        }
-        space = kept;
+        };
+        space = space.into_iter().filter_map(of_image).collect();
     }
     let mut known = Echelon::default();
     products.for_each(|product| _ = known.insert(product));
@@ -282,22 +282,34 @@ fn kernel(
     known.reduced(old)
 }
 
-/// `Σ_i ∂C/∂m_i {m_i, m_j}`
+/// `Σ_i ∂C/∂m_i {m_i, m_j}`, modulo the prime.
 fn derived(structure: &Structure, polynomial: &Sparse<Monomial>, j: usize) -> Sparse<Monomial> {
     let mut image = Sparse::new();
-    for (monomial, &coefficient) in polynomial {
-        for (place, &i) in monomial.iter().enumerate() {
-            for &(k, constant) in structure.bracket(i, j) {
-                let mut changed = monomial.clone();
-                changed[place] = k;
-                changed.sort_unstable();
-                let entry = image.entry(changed).or_insert(0);
-                *entry = (*entry + coefficient * residue(constant)) % PRIME;
-            }
-        }
+    for (monomial, coefficient, constant) in derivation(structure, polynomial, j) {
+        let entry = image.entry(monomial).or_insert(0);
+        *entry = (*entry + coefficient * residue(constant)) % PRIME;
     }
     image.retain(|_, coefficient| *coefficient != 0);
     image
+}
+
+/// The terms of `Σ_i ∂C/∂m_i {m_i, m_j}`: a monomial, a coefficient, and the constant that it is multiplied by.
+fn derivation<'p, T: Copy>(
+    structure: &'p Structure,
+    polynomial: &'p BTreeMap<Monomial, T>,
+    j: usize,
+) -> impl Iterator<Item = (Monomial, T, Ratio<i64>)> + 'p {
+    polynomial.iter().flat_map(move |(monomial, &coefficient)| {
+        let constants = monomial.iter().enumerate().flat_map(move |(place, &i)| {
+            structure.bracket(i, j).iter().map(move |&(k, constant)| (place, k, constant))
+        });
+        constants.map(move |(place, k, constant)| {
+            let mut changed = monomial.clone();
+            changed[place] = k;
+            changed.sort_unstable();
+            (changed, coefficient, constant)
+        })
+    })
 }
 
 /// Rows that are independent, each with a last entry that no other one has.
@@ -314,18 +326,29 @@ impl<K> Default for Echelon<K> {
 
 impl<K: Ord + Clone> Echelon<K> {
     /// Adds what a row has beside those that there are; says whether there is anything.
-    fn insert(&mut self, mut row: Sparse<K>) -> bool {
-        while let Some((pivot, &value)) = row.last_key_value() {
-            let Some(&place) = self.pivots.get(pivot) else {
-                let scale = inverse(value);
-                self.pivots.insert(pivot.clone(), self.rows.len());
-                row.values_mut().for_each(|x| *x = *x * scale % PRIME);
-                self.rows.push(row);
-                return true;
-            };
+    fn insert(&mut self, row: Sparse<K>) -> bool {
+        let rest = self.reduce(row);
+        self.push(rest)
+    }
+
+    /// A row without multiples of those that there are, up to a last entry that none of them has.
+    fn reduce(&self, mut row: Sparse<K>) -> Sparse<K> {
+        while let Some((pivot, &value)) = row.last_key_value()
+            && let Some(&place) = self.pivots.get(pivot)
+        {
             subtract(&mut row, value, &self.rows[place]);
         }
-        false
+        row
+    }
+
+    /// Adds a reduced row; says whether there is anything in it.
+    fn push(&mut self, mut row: Sparse<K>) -> bool {
+        let Some((pivot, &value)) = row.last_key_value() else { return false };
+        let scale = inverse(value);
+        self.pivots.insert(pivot.clone(), self.rows.len());
+        row.values_mut().for_each(|x| *x = *x * scale % PRIME);
+        self.rows.push(row);
+        true
     }
 
     /// The rows from this one on, without the last entries of all others; those with the last ones first.
@@ -374,41 +397,26 @@ fn inverse(x: u64) -> u64 {
     result
 }
 
-/// The fraction with a small numerator and a small denominator that is `x` modulo the prime.
-fn fraction(x: u64) -> Option<Ratio<i64>> {
+/// Numerator and denominator, both small, of the fraction that is `x` modulo the prime.
+fn fraction(x: u64) -> Option<(i128, i128)> {
     let bound = (PRIME as f64 / 2.0).sqrt() as i64;
     let (mut a, mut b, mut s, mut t) = (PRIME as i64, x as i64, 0, 1);
     while b > bound {
         let quotient = a / b;
         (a, b, s, t) = (b, a - quotient * b, t, s - quotient * t);
     }
-    (t != 0 && t.abs() <= bound).then(|| Ratio::new(b, t))
+    let is_small = t != 0 && t.abs() <= bound;
+    is_small.then(|| Ratio::new(i128::from(b), i128::from(t)).into_raw())
 }
 
 /// With whole coefficients that have no common divisor; the last one is positive.
 fn exact(polynomial: &Sparse<Monomial>) -> Option<Polynomial> {
     let coefficients = polynomial.iter().map(|(monomial, &x)| Some((monomial.clone(), fraction(x)?)));
-    let coefficients: Vec<(Monomial, Ratio<i64>)> = coefficients.collect::<Option<_>>()?;
-    // numerators have 15 bits and this has 31, so that no product overflows
-    let multiple = coefficients.iter().try_fold(1_i64, |multiple, (_, x)| {
-        let next = multiple * (Ratio::from_integer(multiple) * *x).denom();
-        (next < PRIME as i64).then_some(next)
-    })?;
-    let whole = coefficients.iter().map(|(_, x)| (*x * multiple).to_integer());
-    let whole: Vec<i64> = whole.collect();
-    let divisor = whole.iter().fold(0, |divisor, &x| greatest_common_divisor(divisor, x));
-    let sign = whole.last()?.signum();
-    Some(
-        coefficients
-            .into_iter()
-            .zip(whole)
-            .map(|((monomial, _), x)| (monomial, sign * x / divisor))
-            .collect(),
-    )
+    primitive(coefficients.collect::<Option<_>>()?, PRIME.into())
 }
 
-fn greatest_common_divisor<T: Signed + Copy>(mut a: T, mut b: T) -> T {
-    while !b.is_zero() {
+fn greatest_common_divisor(mut a: i128, mut b: i128) -> i128 {
+    while b != 0 {
         (a, b) = (b, a % b);
     }
     a.abs()
@@ -418,15 +426,8 @@ fn greatest_common_divisor<T: Signed + Copy>(mut a: T, mut b: T) -> T {
 fn is_kept(structure: &Structure, polynomial: &Polynomial) -> bool {
     (0..structure.dimension()).all(|j| {
         let mut image: BTreeMap<Monomial, Ratio<i64>> = BTreeMap::new();
-        for (monomial, &coefficient) in polynomial {
-            for (place, &i) in monomial.iter().enumerate() {
-                for &(k, constant) in structure.bracket(i, j) {
-                    let mut changed = monomial.clone();
-                    changed[place] = k;
-                    changed.sort_unstable();
-                    *image.entry(changed).or_default() += constant * coefficient;
-                }
-            }
+        for (monomial, coefficient, constant) in derivation(structure, polynomial, j) {
+            *image.entry(monomial).or_default() += constant * coefficient;
         }
         image.values().all(|coefficient| *coefficient.numer() == 0)
     })

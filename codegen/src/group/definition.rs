@@ -40,11 +40,10 @@ pub trait Group: AsGroup + Sync {
     /// action, unless they read better otherwise.
     fn equations(&self, names: &EquationNames<'_>) -> Equations {
         let EquationNames { configuration, momentum, velocity, advected, energy } = names;
-        let bracket = EquationTerm::kept(format!("ad*({velocity}) {momentum}"));
-        let by_energy = advected.iter().map(|a| EquationTerm::by_energy(format!("{a} ⋄ ∂{energy}/∂{a}")));
         Equations {
             configuration: format!("{configuration} hat({velocity})"),
-            momentum: std::iter::once(bracket).chain(by_energy).collect(),
+            bracket: Some(format!("ad*({velocity}) {momentum}")),
+            by_energy: advected.iter().map(|a| format!("{a} ⋄ ∂{energy}/∂{a}")).collect(),
             advected: advected.iter().map(|a| format!("ad*({velocity}) {a}")).collect(),
         }
     }
@@ -117,11 +116,7 @@ pub trait Group: AsGroup + Sync {
     /// `g τ(x)`, on the other side `τ(x) g`.
     fn moved<'a>(&self, side: Side, retraction: Retraction, g: &Vector<'a>, x: &Vector<'a>) -> Moved<'a> {
         let increment = self.retract(retraction, x).hold();
-        let moved = match side {
-            Side::Left => self.compose(g, &increment),
-            Side::Right => self.compose(&increment, g),
-        }
-        .hold();
+        let moved = side.compose(self.as_group(), g, &increment).hold();
         let next = self.normalize(&moved);
         Moved { increment, moved, next }
     }
@@ -159,11 +154,7 @@ pub trait Group: AsGroup + Sync {
     }
     /// `g τ(δ)`, on the other side `τ(δ) g`, to first order in `δ`.
     fn near<'a>(&self, side: Side, g: &Vector<'a>, delta: &Vector<'a>) -> Vector<'a> {
-        let increment = self.retract(Retraction::Exponential, delta);
-        match side {
-            Side::Left => self.compose(g, &increment),
-            Side::Right => self.compose(&increment, g),
-        }
+        side.compose(self.as_group(), g, &self.retract(Retraction::Exponential, delta))
     }
 }
 
@@ -234,30 +225,12 @@ pub struct EquationNames<'n> {
 pub struct Equations {
     /// `attitude hat(velocity)`
     pub configuration: String,
-    /// The terms of the momentum's change but for forces and the potential on the group.
-    pub momentum: Vec<EquationTerm>,
+    /// What the bracket with the momentum makes of the momentum's change, if anything.
+    pub bracket: Option<String>,
+    /// The terms of the momentum's change that are linear in the energy's derivative by an advected parameter.
+    pub by_energy: Vec<String>,
     /// `gamma × velocity`, for each advected parameter.
     pub advected: Vec<String>,
-}
-
-/// A term of an equation of motion.
-pub struct EquationTerm {
-    /// As it is written.
-    pub text: String,
-    /// Whether it is linear in the energy's derivative by an advected parameter.
-    pub by_energy: bool,
-}
-
-impl EquationTerm {
-    /// A term without the energy.
-    pub fn kept(text: String) -> Self {
-        Self { text, by_energy: false }
-    }
-
-    /// A term with the energy's derivative.
-    pub fn by_energy(text: String) -> Self {
-        Self { text, by_energy: true }
-    }
 }
 
 /// Something that an expression can take from an element of a group, as `pose.rotation` or `angle.cos_angle()`.

@@ -40,7 +40,8 @@ impl Group for R {
     }
 
     fn equations(&self, names: &EquationNames<'_>) -> Equations {
-        Equations { configuration: names.velocity.to_owned(), momentum: Vec::new(), advected: Vec::new() }
+        let (configuration, by_energy) = (names.velocity.to_owned(), Vec::new());
+        Equations { configuration, bracket: None, by_energy, advected: Vec::new() }
     }
 
     fn bracket<'a>(&self, x: &Vector<'a>, _: &Vector<'a>) -> Vector<'a> {

@@ -1,10 +1,12 @@
 //! Small matrices of exact fractions.
 
 use std::iter::Sum;
-use std::ops::{Add, Div, DivAssign, Mul, Neg, Sub, SubAssign};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use num_rational::Ratio;
 use num_traits::{CheckedAdd, CheckedDiv, CheckedMul, CheckedSub};
+
+use crate::expr::Entries;
 
 /// Numerators and denominators grow no larger.
 const LARGEST: u128 = 1 << 120;
@@ -90,26 +92,21 @@ impl From<Ratio<i64>> for Rational {
     }
 }
 
-impl Add for Rational {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        self.with(other, i128::checked_add, Ratio::checked_add)
-    }
+/// An operator that is checked for overflow.
+macro_rules! checked {
+    ($operator:ident $method:ident $checked:ident) => {
+        impl $operator for Rational {
+            type Output = Self;
+            fn $method(self, other: Self) -> Self {
+                self.with(other, i128::$checked, Ratio::$checked)
+            }
+        }
+    };
 }
 
-impl Sub for Rational {
-    type Output = Self;
-    fn sub(self, other: Self) -> Self {
-        self.with(other, i128::checked_sub, Ratio::checked_sub)
-    }
-}
-
-impl Mul for Rational {
-    type Output = Self;
-    fn mul(self, other: Self) -> Self {
-        self.with(other, i128::checked_mul, Ratio::checked_mul)
-    }
-}
+checked!(Add add checked_add);
+checked!(Sub sub checked_sub);
+checked!(Mul mul checked_mul);
 
 impl Div for Rational {
     type Output = Self;
@@ -130,38 +127,16 @@ impl Neg for Rational {
     }
 }
 
-impl SubAssign for Rational {
-    fn sub_assign(&mut self, other: Self) {
-        *self = *self - other;
-    }
-}
-
-impl DivAssign for Rational {
-    fn div_assign(&mut self, other: Self) {
-        *self = *self / other;
-    }
-}
-
 impl Sum for Rational {
     fn sum<I: Iterator<Item = Self>>(fractions: I) -> Self {
         fractions.fold(Self::zero(), Add::add)
     }
 }
 
-/// A matrix of exact fractions, by rows.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct RationalMatrix {
-    pub(super) rows: usize,
-    pub(super) columns: usize,
-    pub(super) entries: Vec<Rational>,
-}
+/// A matrix of exact fractions.
+pub(super) type RationalMatrix = Entries<Rational>;
 
 impl RationalMatrix {
-    pub(super) fn from_fn(rows: usize, columns: usize, of: impl Fn(usize, usize) -> Rational) -> Self {
-        let places = (0..rows * columns).map(|k| (k / columns, k % columns));
-        Self { rows, columns, entries: places.map(|(i, j)| of(i, j)).collect() }
-    }
-
     pub(super) fn zero(rows: usize, columns: usize) -> Self {
         Self { rows, columns, entries: vec![Rational::zero(); rows * columns] }
     }
@@ -183,10 +158,6 @@ impl RationalMatrix {
         (0..self.rows).map(|i| self.at(i, j)).collect()
     }
 
-    pub(super) fn at(&self, i: usize, j: usize) -> Rational {
-        self.entries[i * self.columns + j]
-    }
-
     /// Whether no number has grown too large.
     pub(super) fn is_exact(&self) -> bool {
         self.entries.iter().all(Rational::is_exact)
@@ -194,10 +165,6 @@ impl RationalMatrix {
 
     pub(super) fn is_zero(&self) -> bool {
         self.entries.iter().all(Rational::is_zero)
-    }
-
-    pub(super) fn transpose(&self) -> Self {
-        Self::from_fn(self.columns, self.rows, |i, j| self.at(j, i))
     }
 
     pub(super) fn times(&self, other: &Self) -> Self {
@@ -222,12 +189,43 @@ impl RationalMatrix {
         sum
     }
 
+    pub(super) fn scaled(&self, factor: Rational) -> Self {
+        Self::zero(self.rows, self.columns).plus(self, factor)
+    }
+
+    /// `Σ xᵢ Aᵢ`
+    pub(super) fn combination<'m>(matrices: &'m [Self], x: impl IntoIterator<Item = &'m Rational>) -> Self {
+        let zero = Self::zero(matrices[0].rows, matrices[0].columns);
+        let terms = matrices.iter().zip(x).filter(|(_, x)| !x.is_zero());
+        terms.fold(zero, |sum, (matrix, x)| sum.plus(matrix, *x))
+    }
+
+    /// A matrix of `size` rows and columns with these blocks at these places.
+    pub(super) fn placed<'m>(
+        size: usize,
+        blocks: impl IntoIterator<Item = (usize, usize, &'m Self)>,
+    ) -> Self {
+        let mut whole = Self::zero(size, size);
+        for (row, column, block) in blocks {
+            for i in 0..block.rows {
+                for j in 0..block.columns {
+                    whole.entries[(row + i) * size + column + j] = block.at(i, j);
+                }
+            }
+        }
+        whole
+    }
+
     /// Both as blocks on the diagonal.
     pub(super) fn beside(&self, other: &Self) -> Self {
-        let (m, n) = (self.rows, self.columns);
-        Self::from_fn(m + other.rows, n + other.columns, |i, j| match (i.checked_sub(m), j.checked_sub(n)) {
-            (None, None) => self.at(i, j),
-            (Some(i), Some(j)) => other.at(i, j),
+        Self::placed(self.rows + other.rows, [(0, 0, self), (self.rows, self.rows, other)])
+    }
+
+    /// As the block of these rows and columns of a matrix that is zero elsewhere.
+    pub(super) fn embedded(&self, size: usize, rows: &[usize]) -> Self {
+        let place = |i: usize| rows.iter().position(|&row| row == i);
+        Self::from_fn(size, size, |i, j| match (place(i), place(j)) {
+            (Some(i), Some(j)) => self.at(i, j),
             _ => Rational::zero(),
         })
     }
@@ -252,13 +250,13 @@ impl RationalMatrix {
             let pivot = self.at(row, column);
             // most entries are zero
             let filled: Vec<usize> = (0..n).filter(|&j| !self.at(row, j).is_zero()).collect();
-            filled.iter().for_each(|j| self.entries[row * n + j] /= pivot);
+            filled.iter().for_each(|j| self.entries[row * n + j] = self.at(row, *j) / pivot);
             for i in (0..self.rows).filter(|&i| i != row) {
                 let factor = self.at(i, column);
                 if !factor.is_zero() {
                     filled.iter().for_each(|j| {
                         let change = factor * self.at(row, *j);
-                        self.entries[i * n + j] -= change;
+                        self.entries[i * n + j] = self.entries[i * n + j] - change;
                     });
                 }
             }
@@ -278,11 +276,8 @@ impl RationalMatrix {
         if self.columns != n {
             return None;
         }
-        let mut both = Self::from_fn(n, 2 * n, |i, j| match j.checked_sub(n) {
-            None => self.at(i, j),
-            Some(j) if i == j => Rational::one(),
-            Some(_) => Rational::zero(),
-        });
+        let one = Self::identity(n);
+        let mut both = Self::from_fn(n, 2 * n, |i, j| if j < n { self.at(i, j) } else { one.at(i, j - n) });
         let is_regular = both.reduce().into_iter().eq(0..n);
         is_regular.then(|| Self::from_fn(n, n, |i, j| both.at(i, n + j)))
     }
@@ -314,10 +309,10 @@ impl RationalMatrix {
             if pivot.is_zero() {
                 continue;
             }
-            let row: Vec<Rational> = (0..n).map(|j| m.at(k, j)).collect();
+            let row = m.row(k).to_vec();
             for i in k + 1..n {
                 let factor = row[i] / pivot;
-                (0..n).for_each(|j| m.entries[i * n + j] -= factor * row[j]);
+                (0..n).for_each(|j| m.entries[i * n + j] = m.at(i, j) - factor * row[j]);
             }
         }
         true

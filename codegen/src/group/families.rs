@@ -87,7 +87,7 @@ pub(super) fn basis(name: &str) -> Option<Basis> {
         "SGal" => {
             let size = n + 2;
             let vectors = translations(n, &[n, n + 1], size);
-            let time = vec![named("t".to_owned(), unit(size, &[(n, n + 1, 1)]))];
+            let time = vec![named("t", size, &[(n, n + 1, 1)])];
             (size, [rotations(n, size), vectors, time].concat(), vec![turns, n, n, 1])
         }
         "GL" => (n, all(n), vec![n * n]),
@@ -101,48 +101,44 @@ pub(super) fn basis(name: &str) -> Option<Basis> {
     is_there.then(|| Basis::new(size, &basis).ok()).flatten().map(|basis| basis.with_blocks(blocks))
 }
 
-/// A matrix with these entries.
-fn unit(size: usize, entries: &[(usize, usize, i64)]) -> Vec<i64> {
+/// A matrix of this name with these entries.
+fn named(name: impl Into<String>, size: usize, entries: &[(usize, usize, i64)]) -> NamedMatrix {
     let mut matrix = vec![0; size * size];
     for &(i, j, value) in entries {
         matrix[i * size + j] = value;
     }
-    matrix
-}
-
-fn named(name: String, matrix: Vec<i64>) -> NamedMatrix {
-    (name, matrix)
+    (name.into(), matrix)
 }
 
 /// In space `x`, `y`, `z` as `hat` has them; otherwise by the plane that turns.
 fn rotations(n: usize, size: usize) -> Vec<NamedMatrix> {
     if n == 3 {
         let planes = [("x", 2, 1), ("y", 0, 2), ("z", 1, 0)];
-        return planes.map(|(name, i, j)| (name.to_owned(), unit(size, &[(i, j, 1), (j, i, -1)]))).to_vec();
+        return planes.map(|(name, i, j)| named(name, size, &[(i, j, 1), (j, i, -1)])).to_vec();
     }
     let planes = (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j)));
-    planes.map(|(i, j)| named(format!("r{}{}", i + 1, j + 1), unit(size, &[(j, i, 1), (i, j, -1)]))).collect()
+    planes.map(|(i, j)| named(format!("r{}{}", i + 1, j + 1), size, &[(j, i, 1), (i, j, -1)])).collect()
 }
 
 /// A column for each vector.
 fn translations(n: usize, columns: &[usize], size: usize) -> Vec<NamedMatrix> {
     let places =
         columns.iter().zip(["v", "p"]).flat_map(|(&column, name)| (0..n).map(move |i| (i, column, name)));
-    places.map(|(i, column, name)| named(format!("{name}{}", i + 1), unit(size, &[(i, column, 1)]))).collect()
+    places.map(|(i, column, name)| named(format!("{name}{}", i + 1), size, &[(i, column, 1)])).collect()
 }
 
 fn all(n: usize) -> Vec<NamedMatrix> {
     (0..n * n)
         .map(|k| (k / n, k % n))
-        .map(|(i, j)| named(format!("e{}{}", i + 1, j + 1), unit(n, &[(i, j, 1)])))
+        .map(|(i, j)| named(format!("e{}{}", i + 1, j + 1), n, &[(i, j, 1)]))
         .collect()
 }
 
 fn traceless(n: usize) -> Vec<NamedMatrix> {
     let mut basis: Vec<NamedMatrix> =
-        (0..n - 1).map(|i| named(format!("h{}", i + 1), unit(n, &[(i, i, 1), (i + 1, i + 1, -1)]))).collect();
+        (0..n - 1).map(|i| named(format!("h{}", i + 1), n, &[(i, i, 1), (i + 1, i + 1, -1)])).collect();
     let off = (0..n * n).map(|k| (k / n, k % n)).filter(|(i, j)| i != j);
-    basis.extend(off.map(|(i, j)| named(format!("e{}{}", i + 1, j + 1), unit(n, &[(i, j, 1)]))));
+    basis.extend(off.map(|(i, j)| named(format!("e{}{}", i + 1, j + 1), n, &[(i, j, 1)])));
     basis
 }
 
@@ -152,14 +148,14 @@ fn symplectic(n: usize) -> Vec<NamedMatrix> {
     let mut basis = Vec::new();
     for i in 0..n {
         for j in 0..n {
-            basis.push(named(format!("a{}{}", i + 1, j + 1), unit(size, &[(i, j, 1), (n + j, n + i, -1)])));
+            basis.push(named(format!("a{}{}", i + 1, j + 1), size, &[(i, j, 1), (n + j, n + i, -1)]));
         }
     }
     for (name, row, column) in [("b", 0, n), ("c", n, 0)] {
         for i in 0..n {
             for j in i..n {
                 let entries = [(row + i, column + j, 1), (row + j, column + i, 1)];
-                basis.push(named(format!("{name}{}{}", i + 1, j + 1), unit(size, &entries)));
+                basis.push(named(format!("{name}{}{}", i + 1, j + 1), size, &entries));
             }
         }
     }
@@ -176,31 +172,31 @@ fn unitary(n: usize) -> Vec<NamedMatrix> {
     for i in 0..n {
         for j in i + 1..n {
             let symmetric = [imaginary(i, j, 1), imaginary(j, i, 1)].concat();
-            basis.push(named(format!("s{}{}", i + 1, j + 1), unit(size, &symmetric)));
+            basis.push(named(format!("s{}{}", i + 1, j + 1), size, &symmetric));
             let antisymmetric = [real(i, j, 1), real(j, i, -1)].concat();
-            basis.push(named(format!("a{}{}", i + 1, j + 1), unit(size, &antisymmetric)));
+            basis.push(named(format!("a{}{}", i + 1, j + 1), size, &antisymmetric));
         }
     }
     for i in 0..n.saturating_sub(1) {
         let diagonal = [imaginary(i, i, 1), imaginary(i + 1, i + 1, -1)].concat();
-        basis.push(named(format!("d{}", i + 1), unit(size, &diagonal)));
+        basis.push(named(format!("d{}", i + 1), size, &diagonal));
     }
     basis
 }
 
 /// A rotation of the plane and two boosts.
 fn lorentz() -> Vec<NamedMatrix> {
-    let boost = |name: &str, i: usize| named(name.to_owned(), unit(3, &[(i, 2, 1), (2, i, 1)]));
-    let rotation = named("rotation".to_owned(), unit(3, &[(1, 0, 1), (0, 1, -1)]));
+    let boost = |name: &str, i: usize| named(name, 3, &[(i, 2, 1), (2, i, 1)]);
+    let rotation = named("rotation", 3, &[(1, 0, 1), (0, 1, -1)]);
     vec![rotation, boost("boost_x", 0), boost("boost_y", 1)]
 }
 
 fn heisenberg() -> Vec<NamedMatrix> {
-    let entry = |name: &str, i: usize, j: usize| named(name.to_owned(), unit(3, &[(i, j, 1)]));
+    let entry = |name: &str, i: usize, j: usize| named(name, 3, &[(i, j, 1)]);
     vec![entry("x", 0, 1), entry("y", 1, 2), entry("z", 0, 2)]
 }
 
 fn affine() -> Vec<NamedMatrix> {
-    let entry = |name: &str, j: usize| named(name.to_owned(), unit(2, &[(0, j, 1)]));
+    let entry = |name: &str, j: usize| named(name, 2, &[(0, j, 1)]);
     vec![entry("scale", 0), entry("shift", 1)]
 }

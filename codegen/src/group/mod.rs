@@ -24,18 +24,15 @@ mod so3;
 mod structure;
 mod su2;
 
-pub(crate) use calculus::{
-    carried_back, d_left, d_right, placeholders, stored_perturbation, to_body, trivialized_gradient,
-};
 pub use definition::{
-    AsGroup, Component, ComponentValue, EquationNames, EquationTerm, Equations, Group, GroupNames, Moved,
+    AsGroup, Component, ComponentValue, EquationNames, Equations, Group, GroupNames, Moved,
 };
 pub use euclidean::R;
 pub use families::{FAMILIES, LARGEST, family, family_meant, family_with_terms, one_word, sizes};
 pub use matrix::{Basis, BasisError, LARGEST_BASIS, Linear, LinearError, MatrixGroup, NamedMatrix};
 pub(crate) use product::consecutive;
 pub use product::{Place, Product};
-pub use representation::{Adjoint, Dual, Representation, Translation};
+pub use representation::{Adjoint, Dual, Representation, SpaceNames, Translation};
 pub(crate) use retraction::{Composite, Law};
 pub use retraction::{MatrixFunction, Retraction};
 pub use rigid::Rigid;

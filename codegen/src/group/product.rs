@@ -6,10 +6,7 @@
 
 use std::ops::Range;
 
-use super::{
-    Moved, Retraction, Semidirect, SemidirectVector, Side, carried_back, d_left, d_right,
-    stored_perturbation, to_body, trivialized_gradient,
-};
+use super::{Moved, Retraction, Semidirect, SemidirectVector, Side};
 use crate::expr::{Expr, Vector};
 
 /// A product of groups.
@@ -193,13 +190,13 @@ impl Product {
     /// `d/dδ|₀ f(g τ(δ))` of a function with gradient `df` by the stored coordinates, on the other side with `τ(δ) g`.
     pub fn trivialized_gradient<'a>(&self, side: Side, g: &Vector<'a>, df: &Vector<'a>) -> Vector<'a> {
         self.each(|factor, place| {
-            trivialized_gradient(factor.group, side, &place.stored(g), &place.stored(df))
+            factor.group.trivialized_gradient(side, &place.stored(g), &place.stored(df))
         })
     }
 
     /// The perturbation of the stored coordinates where `g` becomes `g τ(δ)`.
     pub fn stored_perturbation<'a>(&self, g: &Vector<'a>, delta: &Vector<'a>) -> Vector<'a> {
-        self.each(|factor, place| stored_perturbation(factor.group, &place.stored(g), &place.algebra(delta)))
+        self.each(|factor, place| factor.group.stored_perturbation(&place.stored(g), &place.algebra(delta)))
     }
 }
 
@@ -207,24 +204,22 @@ impl Product {
 impl Product {
     /// `dL τ_x y`
     pub fn d_left<'a>(&self, retraction: Retraction, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
-        self.each(|factor, place| d_left(factor.group, retraction, &place.algebra(x), &place.algebra(y)))
+        self.each(|factor, place| factor.group.d_left(retraction, &place.algebra(x), &place.algebra(y)))
     }
 
     /// `dR τ_x y`
     pub fn d_right<'a>(&self, retraction: Retraction, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
-        self.each(|factor, place| d_right(factor.group, retraction, &place.algebra(x), &place.algebra(y)))
+        self.each(|factor, place| factor.group.d_right(retraction, &place.algebra(x), &place.algebra(y)))
     }
 
     /// `Ad_{τ(x)⁻¹} y`
     pub fn carried_back<'a>(&self, retraction: Retraction, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
-        self.each(|factor, place| {
-            carried_back(factor.group, retraction, &place.algebra(x), &place.algebra(y))
-        })
+        self.each(|factor, place| factor.group.carried_back(retraction, &place.algebra(x), &place.algebra(y)))
     }
 
     /// `Ad_{g⁻¹} x`
     pub fn to_body<'a>(&self, g: &Vector<'a>, x: &Vector<'a>) -> Vector<'a> {
-        self.each(|factor, place| to_body(factor.group, &place.stored(g), &place.algebra(x)))
+        self.each(|factor, place| factor.group.to_body(&place.stored(g), &place.algebra(x)))
     }
 
     /// `Ad*_{g⁻¹} m`

@@ -1,18 +1,26 @@
 //! Linear spaces that groups act on.
 
-use super::calculus::{to_body, transposed};
+use super::calculus::{placeholders, transposed};
 use super::exact::{Rational, RationalMatrix};
 use super::{Group, MatrixFunction, Retraction};
-use crate::expr::{Arena, Expr, Stage, Vector};
+use crate::expr::{Arena, Expr, Vector};
 
 /// A linear space `V` on which a group's algebra acts by `ρ`. Advected parameters live in its dual.
 pub trait Representation: Sync {
+    /// Names and lengths.
+    fn names(&self) -> SpaceNames;
     /// The name users write.
-    fn name(&self) -> &'static str;
+    fn name(&self) -> &'static str {
+        self.names().name
+    }
     /// Suffixes of the coordinates.
-    fn coordinates(&self) -> &'static [&'static str];
+    fn coordinates(&self) -> &'static [&'static str] {
+        self.names().coordinates
+    }
     /// Dimension of the algebra that acts.
-    fn algebra_dimension(&self) -> usize;
+    fn algebra_dimension(&self) -> usize {
+        self.names().algebra_dimension
+    }
     /// `ρ_x v`, the infinitesimal action.
     fn act_infinitesimally<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a>;
     /// The `V` part `P(x) w` of `f(x, w)` on the semidirect product.
@@ -47,6 +55,17 @@ pub trait Representation: Sync {
     }
 }
 
+/// What a space and its coordinates are called, and what acts on it.
+#[derive(Clone, Copy, Debug)]
+pub struct SpaceNames {
+    /// The name users write.
+    pub name: &'static str,
+    /// Suffixes of the coordinates.
+    pub coordinates: &'static [&'static str],
+    /// Dimension of the algebra that acts.
+    pub algebra_dimension: usize,
+}
+
 /// How a retraction moves along `V` while it rotates it: `P(x) w = body_part + τ(x) rotated_part`.
 ///
 /// For the exponential `P(x) w = φ₁(ρ_x) w`; for Cayley `P(x) w = (1 − ρ_x/2)⁻¹ w = ½ (w + τ(x) w)`: half the way
@@ -60,6 +79,26 @@ pub struct Translation<'a> {
     /// Whether the semidirect product, with this retraction, is the tangent group: `V` is the algebra with its adjoint
     /// action and `τ(x, w)` is the derivative of `τ` at `x` along `w`.
     pub is_tangent_group: bool,
+}
+
+impl<'a> Translation<'a> {
+    /// All of it before the rotation.
+    pub(super) fn before(body_part: Vector<'a>) -> Self {
+        let rotated_part = body_part.map(|component| component.arena().zero());
+        Self { body_part, rotated_part, is_tangent_group: false }
+    }
+
+    /// All of it after the rotation.
+    pub(super) fn behind(rotated_part: Vector<'a>) -> Self {
+        let Self { body_part, rotated_part, .. } = Self::before(rotated_part);
+        Self { body_part: rotated_part, rotated_part: body_part, is_tangent_group: false }
+    }
+
+    /// Half of it before the rotation, half of it after, as for Cayley's map.
+    pub(super) fn halves(w: &Vector<'a>) -> Self {
+        let half = w.map(|component| component / 2);
+        Self { body_part: half.clone(), rotated_part: half, is_tangent_group: false }
+    }
 }
 
 /// The matrices of a representation, one for each axis of the algebra; none if they are not exact.
@@ -77,10 +116,7 @@ pub(super) fn matrices_of_action(
     action: impl for<'a> Fn(&Vector<'a>, &Vector<'a>) -> Vector<'a>,
 ) -> Option<Vec<RationalMatrix>> {
     let arena = Arena::new();
-    let symbols = |name: &str, dimension: usize| {
-        Vector((0..dimension).map(|i| arena.symbol(format!("{name}{i}"), Stage::Step)).collect())
-    };
-    let (x, v) = (symbols("x", dimension), symbols("v", n));
+    let (x, v) = (placeholders(&arena, "x", dimension), placeholders(&arena, "v", n));
     let image = action(&x, &v);
     let entry = |axis: usize, k: usize| {
         let (x, v) = (x.0[axis].as_symbol()?, v.0[k % n].as_symbol()?);
@@ -89,7 +125,7 @@ pub(super) fn matrices_of_action(
     };
     let matrix = |axis: usize| {
         let entries: Option<Vec<Rational>> = (0..n * n).map(|k| entry(axis, k)).collect();
-        Some(RationalMatrix { rows: n, columns: n, entries: entries? })
+        Some(RationalMatrix::new(n, n, entries?))
     };
     (0..x.len()).map(matrix).collect()
 }
@@ -107,16 +143,8 @@ impl Adjoint {
 }
 
 impl Representation for Adjoint {
-    fn name(&self) -> &'static str {
-        "adjoint"
-    }
-
-    fn coordinates(&self) -> &'static [&'static str] {
-        self.0.axes()
-    }
-
-    fn algebra_dimension(&self) -> usize {
-        self.0.dimension()
+    fn names(&self) -> SpaceNames {
+        named_axes("adjoint", self.0)
     }
 
     fn act_infinitesimally<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
@@ -125,16 +153,12 @@ impl Representation for Adjoint {
 
     /// `dR τ_x w`
     fn translation<'a>(&self, f: MatrixFunction, x: &Vector<'a>, w: &Vector<'a>) -> Translation<'a> {
-        Translation {
-            body_part: self.0.closed_d_right(f, x, w),
-            rotated_part: Vector::zeros(x.0[0].arena(), w.len()),
-            is_tangent_group: true,
-        }
+        Translation { is_tangent_group: true, ..Translation::before(self.0.closed_d_right(f, x, w)) }
     }
 
     /// `Ad_{τ(x)} v`
     fn transport<'a>(&self, f: MatrixFunction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
-        to_body(self.0, &self.0.closed_form(f, &-x), v)
+        self.0.to_body(&self.0.closed_form(f, &-x), v)
     }
 
     fn has(&self, retraction: Retraction) -> bool {
@@ -150,20 +174,17 @@ impl Representation for Adjoint {
     }
 }
 
+/// The names of an algebra as a space on which it acts itself.
+fn named_axes(name: &'static str, group: &dyn Group) -> SpaceNames {
+    SpaceNames { name, coordinates: group.axes(), algebra_dimension: group.dimension() }
+}
+
 /// The dual of the algebra with the coadjoint action, `ρ_x m = −ad*_x m`.
 struct Coadjoint(&'static dyn Group);
 
 impl Representation for Coadjoint {
-    fn name(&self) -> &'static str {
-        "coadjoint"
-    }
-
-    fn coordinates(&self) -> &'static [&'static str] {
-        self.0.axes()
-    }
-
-    fn algebra_dimension(&self) -> usize {
-        self.0.dimension()
+    fn names(&self) -> SpaceNames {
+        named_axes("coadjoint", self.0)
     }
 
     fn act_infinitesimally<'a>(&self, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
@@ -172,11 +193,7 @@ impl Representation for Coadjoint {
 
     /// `(dR τ_{−x})* w`
     fn translation<'a>(&self, f: MatrixFunction, x: &Vector<'a>, w: &Vector<'a>) -> Translation<'a> {
-        Translation {
-            body_part: self.0.closed_d_right_dual(f, &-x, w),
-            rotated_part: Vector::zeros(x.0[0].arena(), w.len()),
-            is_tangent_group: false,
-        }
+        Translation::before(self.0.closed_d_right_dual(f, &-x, w))
     }
 
     /// `Ad*_{τ(x)⁻¹} m`
@@ -212,16 +229,8 @@ impl Dual {
 }
 
 impl Representation for Dual {
-    fn name(&self) -> &'static str {
-        self.name
-    }
-
-    fn coordinates(&self) -> &'static [&'static str] {
-        self.of.coordinates()
-    }
-
-    fn algebra_dimension(&self) -> usize {
-        self.of.algebra_dimension()
+    fn names(&self) -> SpaceNames {
+        SpaceNames { name: self.name, ..self.of.names() }
     }
 
     fn act_infinitesimally<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
@@ -234,11 +243,7 @@ impl Representation for Dual {
             let Translation { body_part, rotated_part, .. } = self.of.translation(f, &back, u);
             &body_part + &self.of.transport(f, &back, &rotated_part)
         };
-        Translation {
-            body_part: transposed(w, w.len(), moved),
-            rotated_part: Vector::zeros(x.0[0].arena(), w.len()),
-            is_tangent_group: false,
-        }
+        Translation::before(transposed(w, w.len(), moved))
     }
 
     fn transport<'a>(&self, f: MatrixFunction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {

@@ -69,6 +69,7 @@ pub(crate) trait Composite: Sync {
 /// The row of a retraction.
 struct Row {
     name: &'static str,
+    snake_name: &'static str,
     law: Law,
     reversed: Retraction,
     /// Whether steps are generated with it unless others are asked for.
@@ -86,6 +87,7 @@ impl Retraction {
         match self {
             Self::Exponential => Row {
                 name: "Exponential",
+                snake_name: "exponential",
                 law: Law::Function(MatrixFunction::Exponential),
                 reversed: Self::Exponential,
                 is_default: true,
@@ -93,6 +95,7 @@ impl Retraction {
             },
             Self::Cayley => Row {
                 name: "Cayley",
+                snake_name: "cayley",
                 law: Law::Function(MatrixFunction::Cayley),
                 reversed: Self::Cayley,
                 is_default: true,
@@ -100,6 +103,7 @@ impl Retraction {
             },
             Self::SecondKind => Row {
                 name: "SecondKind",
+                snake_name: "second_kind",
                 law: Law::Composite(&ASCENDING),
                 reversed: Self::ReversedSecondKind,
                 is_default: false,
@@ -107,6 +111,7 @@ impl Retraction {
             },
             Self::ReversedSecondKind => Row {
                 name: "ReversedSecondKind",
+                snake_name: "reversed_second_kind",
                 law: Law::Composite(&DESCENDING),
                 reversed: Self::SecondKind,
                 is_default: false,
@@ -122,14 +127,7 @@ impl Retraction {
 
     /// Its name among those of functions: `second_kind`.
     pub fn snake_name(self) -> String {
-        let mut name = String::new();
-        for letter in self.name().chars() {
-            if letter.is_uppercase() && !name.is_empty() {
-                name.push('_');
-            }
-            name.extend(letter.to_lowercase());
-        }
-        name
+        self.row().snake_name.to_owned()
     }
 
     /// Those with which steps are generated unless others are asked for.

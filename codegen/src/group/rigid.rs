@@ -31,14 +31,14 @@ impl Rigid {
 
     /// The angular and the linear part.
     fn split<'a>(&self, x: &Vector<'a>) -> SemidirectVector<'a> {
-        let (angular, linear) = x.0.split_at(self.rotations.dimension());
-        SemidirectVector { base: Vector(angular.to_vec()), spaces: vec![Vector(linear.to_vec())] }
+        let n = self.rotations.dimension();
+        SemidirectVector { base: x.part(0..n), spaces: vec![x.part(n..x.len())] }
     }
 
     /// The rotation and the translation.
     fn parts<'a>(&self, g: &Vector<'a>) -> (Vector<'a>, Vector<'a>) {
-        let (rotation, translation) = g.0.split_at(self.rotations.coordinates().len());
-        (Vector(rotation.to_vec()), Vector(translation.to_vec()))
+        let n = self.rotations.coordinates().len();
+        (g.part(0..n), g.part(n..g.len()))
     }
 
     /// `R v`
@@ -122,7 +122,5 @@ impl Group for Rigid {
 }
 
 fn join<'a>(first: Vector<'a>, second: &Vector<'a>) -> Vector<'a> {
-    let mut both = first.0;
-    both.extend(second.iter());
-    Vector(both)
+    Vector::concat([&first, second])
 }

@@ -78,10 +78,7 @@ impl Composite for SecondKind {
     }
 
     fn translation<'a>(&self, w: &Vector<'a>) -> Translation<'a> {
-        let nothing = w.map(|component| component.arena().zero());
-        let (body_part, rotated_part) =
-            if self.descending { (w.clone(), nothing) } else { (nothing, w.clone()) };
-        Translation { body_part, rotated_part, is_tangent_group: false }
+        if self.descending { Translation::before(w.clone()) } else { Translation::behind(w.clone()) }
     }
 
     fn is_for(&self, group: &dyn Group) -> bool {

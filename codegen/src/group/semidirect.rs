@@ -12,8 +12,8 @@
 //! `Ad*_τ m = m + ad* (dR τ)* m` is shorter. In coordinates of the second kind the spaces' axes come after the group's:
 //! `f = 0`, `e = w`, and backwards `f = w`, `e = 0`.
 
-use super::calculus::transposed;
-use super::{Group, Law, Representation, Retraction, Translation, placeholders};
+use super::calculus::{placeholders, transposed};
+use super::{Group, Law, Representation, Retraction, Translation};
 use crate::expr::{Expr, Vector, gradient};
 
 /// A group together with the spaces its advected parameters live in.

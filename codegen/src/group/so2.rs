@@ -6,8 +6,8 @@
 //!   `dR exp = 1`, `dR cay_x = 1/(1 + x²/4)`.
 
 use super::{
-    Component, ComponentValue, EquationNames, EquationTerm, Equations, Group, GroupNames, MatrixFunction,
-    Representation, Translation,
+    Component, ComponentValue, EquationNames, Equations, Group, GroupNames, MatrixFunction, Representation,
+    SpaceNames, Translation,
 };
 use crate::expr::{Expr, Number, Vector};
 use crate::quantity::Kind;
@@ -33,10 +33,10 @@ impl Group for SO2 {
 
     fn equations(&self, names: &EquationNames<'_>) -> Equations {
         let EquationNames { configuration, velocity, advected, energy, .. } = names;
-        let by_energy = |a: &&str| EquationTerm::by_energy(format!("{a} × ∂{energy}/∂{a}"));
         Equations {
             configuration: format!("{configuration} i {velocity}"),
-            momentum: advected.iter().map(by_energy).collect(),
+            bracket: None,
+            by_energy: advected.iter().map(|a| format!("{a} × ∂{energy}/∂{a}")).collect(),
             advected: advected.iter().map(|a| format!("−{velocity} J {a}")).collect(),
         }
     }
@@ -122,16 +122,8 @@ const COMPONENTS: &[Component] = &[
 pub(super) struct Plane(pub(super) usize);
 
 impl Representation for Plane {
-    fn name(&self) -> &'static str {
-        "R2"
-    }
-
-    fn coordinates(&self) -> &'static [&'static str] {
-        &["x", "y"]
-    }
-
-    fn algebra_dimension(&self) -> usize {
-        self.0
+    fn names(&self) -> SpaceNames {
+        SpaceNames { name: "R2", coordinates: &["x", "y"], algebra_dimension: self.0 }
     }
 
     fn act_infinitesimally<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
@@ -143,15 +135,10 @@ impl Representation for Plane {
         let x = x.0[0];
         let squared = x * x;
         match f {
-            MatrixFunction::Exponential => Translation {
-                body_part: complex(squared.stumpff(1), x * squared.stumpff(2), w),
-                rotated_part: Vector::zeros(x.arena(), 2),
-                is_tangent_group: false,
-            },
-            MatrixFunction::Cayley => {
-                let half = w.map(|component| component / 2);
-                Translation { body_part: half.clone(), rotated_part: half, is_tangent_group: false }
+            MatrixFunction::Exponential => {
+                Translation::before(complex(squared.stumpff(1), x * squared.stumpff(2), w))
             }
+            MatrixFunction::Cayley => Translation::halves(w),
         }
     }
 

@@ -8,8 +8,8 @@
 //! * The logarithmic derivatives of both satisfy `(dR τ_x)ᵀ = dR τ_{−x}`.
 
 use super::{
-    Component, ComponentValue, EquationNames, EquationTerm, Equations, Group, GroupNames, MatrixFunction,
-    Moved, Representation, Retraction, Side, Translation,
+    Component, ComponentValue, EquationNames, Equations, Group, GroupNames, MatrixFunction, Moved,
+    Representation, Retraction, Side, SpaceNames, Translation,
 };
 use crate::expr::{Expr, Number, Vector};
 use crate::quantity::Kind;
@@ -52,11 +52,10 @@ impl Group for SO3 {
 
     fn equations(&self, names: &EquationNames<'_>) -> Equations {
         let EquationNames { configuration, momentum, velocity, advected, energy } = names;
-        let bracket = EquationTerm::kept(format!("{momentum} × {velocity}"));
-        let by_energy = advected.iter().map(|a| EquationTerm::by_energy(format!("{a} × ∂{energy}/∂{a}")));
         Equations {
             configuration: format!("{configuration} hat({velocity})"),
-            momentum: std::iter::once(bracket).chain(by_energy).collect(),
+            bracket: Some(format!("{momentum} × {velocity}")),
+            by_energy: advected.iter().map(|a| format!("{a} × ∂{energy}/∂{a}")).collect(),
             advected: advected.iter().map(|a| format!("{a} × {velocity}")).collect(),
         }
     }
@@ -151,7 +150,7 @@ impl Group for SO3 {
     }
 
     fn representations(&self) -> &[&'static dyn Representation] {
-        &[&Space]
+        &[&Space(3)]
     }
 }
 
@@ -184,20 +183,13 @@ fn turned<'a>(g: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
     &(v + &twice.scale(w)) + &u.cross(&twice)
 }
 
-/// R³ with the rotations acting on it: `ρ_x v = x × v`.
-pub(super) struct Space;
+/// R³ with the rotations acting on it, `ρ_x v = x × v`; under a group of so many dimensions whose first three are the
+/// rotation.
+pub(super) struct Space(pub(super) usize);
 
 impl Representation for Space {
-    fn name(&self) -> &'static str {
-        "R3"
-    }
-
-    fn coordinates(&self) -> &'static [&'static str] {
-        &["x", "y", "z"]
-    }
-
-    fn algebra_dimension(&self) -> usize {
-        3
+    fn names(&self) -> SpaceNames {
+        SpaceNames { name: "R3", coordinates: &["x", "y", "z"], algebra_dimension: self.0 }
     }
 
     fn act_infinitesimally<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
@@ -205,34 +197,32 @@ impl Representation for Space {
     }
 
     fn act<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Option<Vector<'a>> {
-        Some(turned(g, v))
+        Some(turned(&g.part(0..4), v))
     }
 
-    /// `φ₁(x̂) = 1 + c₂ x̂ + c₃ x̂²`; the vectors are the algebra itself, so that with the exponential SE(3) is the
-    /// tangent group of SO(3).
+    /// `φ₁(x̂) = 1 + c₂ x̂ + c₃ x̂²`; the vectors are the algebra of the rotations itself, so that with the exponential
+    /// SE(3) is the tangent group of SO(3). With the motions it is no tangent group.
     fn translation<'a>(&self, f: MatrixFunction, x: &Vector<'a>, w: &Vector<'a>) -> Translation<'a> {
+        let x = x.part(0..3);
         let z = x.squared_norm();
         match f {
-            MatrixFunction::Exponential => Translation {
-                body_part: rotation_like(x, w, z.stumpff(2), z.stumpff(3)),
-                rotated_part: Vector::zeros(z.arena(), 3),
-                is_tangent_group: true,
-            },
-            MatrixFunction::Cayley => {
-                let half = w.map(|component| component / 2);
-                Translation { body_part: half.clone(), rotated_part: half, is_tangent_group: false }
+            MatrixFunction::Exponential => {
+                let before = Translation::before(rotation_like(&x, w, z.stumpff(2), z.stumpff(3)));
+                Translation { is_tangent_group: self.0 == 3, ..before }
             }
+            MatrixFunction::Cayley => Translation::halves(w),
         }
     }
 
     /// `exp x = 1 + c₁ x̂ + c₂ x̂²`, `cay x = 1 + (x̂ + x̂²/2)/(1 + z/4)`
     fn transport<'a>(&self, f: MatrixFunction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+        let x = x.part(0..3);
         let z = x.squared_norm();
         match f {
-            MatrixFunction::Exponential => rotation_like(x, v, z.stumpff(1), z.stumpff(2)),
+            MatrixFunction::Exponential => rotation_like(&x, v, z.stumpff(1), z.stumpff(2)),
             MatrixFunction::Cayley => {
-                let factor = cayley_factor(x);
-                rotation_like(x, v, factor, factor / 2)
+                let factor = cayley_factor(&x);
+                rotation_like(&x, v, factor, factor / 2)
             }
         }
     }

@@ -4,7 +4,7 @@ use num_rational::Ratio;
 
 use super::Semidirect;
 use super::exact::{Rational, RationalMatrix};
-use crate::expr::{Arena, Stage, Vector};
+use super::representation::{matrices_of, matrices_of_action};
 
 /// `[E_i, E_j] = Σ_k c_ij^k E_k`, exact.
 #[derive(Clone, Debug)]
@@ -24,35 +24,24 @@ impl Structure {
     /// Of a semidirect algebra: first the group's own axes, then the spaces' coordinates. The brackets are derived from
     /// the group's bracket and the spaces' actions; none if a constant of theirs is not exact.
     pub fn of(algebra: &Semidirect) -> Option<Self> {
-        let arena = Arena::new();
-        let symbols = |name: &str, dimension: usize| {
-            Vector((0..dimension).map(|i| arena.symbol(format!("{name}{i}"), Stage::Step)).collect())
-        };
         let base = algebra.group.dimension();
-        let (x, y) = (symbols("x", base), symbols("y", base));
+        let mut actions = vec![(0, matrices_of_action(base, base, |x, y| algebra.group.bracket(x, y))?)];
         let mut dimension = base;
-        let mut constants = vec![(0, 0, algebra.group.bracket(&x, &y), x.clone(), y)];
-        for (number, space) in algebra.spaces.iter().enumerate() {
+        for space in &algebra.spaces {
             // [(x, 0), (0, u)] = (0, ρ_x u)
-            let u = symbols(&format!("u{number}_"), space.coordinates().len());
-            constants.push((dimension, dimension, space.act_infinitesimally(&x, &u), x.clone(), u.clone()));
-            dimension += u.len();
+            actions.push((dimension, matrices_of(*space)?));
+            dimension += space.coordinates().len();
         }
         let mut structure = Self { dimension, constants: vec![Vec::new(); dimension * dimension] };
-        for (second, result, value, x, y) in constants {
-            for (i, x) in x.symbols().into_iter().enumerate() {
-                for (j, y) in y.symbols().into_iter().enumerate() {
-                    for (k, component) in value.iter().enumerate() {
-                        let (numerator, denominator) =
-                            component.derivative(x).derivative(y).as_number()?.fraction()?;
-                        let constant =
-                            Ratio::new(i64::try_from(numerator).ok()?, i64::try_from(denominator).ok()?);
-                        if numerator != 0 {
-                            structure.add(i, second + j, result + k, constant);
-                            if second > 0 {
-                                structure.add(second + j, i, result + k, -constant);
-                            }
-                        }
+        for (first, matrices) in actions {
+            for (i, matrix) in matrices.iter().enumerate() {
+                for (place, entry) in matrix.entries.iter().enumerate().filter(|(_, entry)| !entry.is_zero())
+                {
+                    let (k, j) = (first + place / matrix.columns, first + place % matrix.columns);
+                    let constant = entry.ratio()?;
+                    structure.add(i, j, k, constant);
+                    if first > 0 {
+                        structure.add(j, i, k, -constant);
                     }
                 }
             }
@@ -89,11 +78,10 @@ impl Structure {
         for i in 0..n {
             for j in 0..n {
                 let mut bracket = RationalMatrix::zero(1, n);
-                for &(a, x) in &vectors[i] {
-                    for &(b, y) in &vectors[j] {
-                        for &(k, constant) in self.bracket(a, b) {
-                            bracket.entries[k] = bracket.entries[k] + x * y * constant.into();
-                        }
+                let pairs = vectors[i].iter().flat_map(|x| vectors[j].iter().map(move |y| (x, y)));
+                for (&(a, x), &(b, y)) in pairs {
+                    for &(k, constant) in self.bracket(a, b) {
+                        bracket.entries[k] = bracket.entries[k] + x * y * constant.into();
                     }
                 }
                 for (k, constant) in filled(bracket.times(&inverse).row(0)) {

@@ -20,16 +20,12 @@ impl Dag<'_> {
         }
         while let Some(pair) = index.most_frequent() {
             let before = self.ops().len();
-            let shared = match pair {
-                Pair::Factors(a, b) => self.intern(Operation::Product(vec![a, b])),
-                Pair::Addends(a, b, opposed) => self.intern(Operation::Sum(vec![(false, a), (opposed, b)])),
-            };
+            let shared = self.intern(pair.operation());
             if self.ops().len() > before {
                 index.count(shared, self.operation(shared), &|_| true);
             }
             // no other pairs come or go
-            let [a, b] = pair.operands();
-            let changed = |op: Op| op == a || op == b || op == shared;
+            let changed = |op: Op| [pair.a, pair.b, shared].contains(&op);
             for holder in index.holders(&pair) {
                 if holder != shared {
                     let mut operation = self.operation(holder).clone();
@@ -58,17 +54,13 @@ impl PairIndex {
     fn count(&mut self, op: Op, operation: &Operation, held: &dyn Fn(Op) -> bool) {
         let long = operation.operands().len() > 2;
         for pair in Pair::all(operation, held) {
-            self.change(pair, |holders| {
-                holders.insert(op, long);
-            });
+            self.change(pair, |holders| _ = holders.insert(op, long));
         }
     }
 
     fn forget(&mut self, op: Op, operation: &Operation, held: &dyn Fn(Op) -> bool) {
         for pair in Pair::all(operation, held) {
-            self.change(pair, |holders| {
-                holders.remove(&op);
-            });
+            self.change(pair, |holders| _ = holders.remove(&op));
         }
     }
 
@@ -90,97 +82,76 @@ impl PairIndex {
     }
 }
 
-/// Two operands that occur together.
+/// Two operands that occur together, in a product or in a sum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-enum Pair {
-    Factors(Op, Op),
-    /// `true` if the signs differ.
-    Addends(Op, Op, bool),
+struct Pair {
+    of_sum: bool,
+    a: Op,
+    b: Op,
+    /// Whether their signs differ.
+    opposed: bool,
+}
+
+/// The operands of a product, which have no signs, or of a sum; none of others.
+fn signed(operation: &Operation) -> (bool, Vec<(bool, Op)>) {
+    match operation {
+        Operation::Product(factors) => (false, factors.iter().map(|&factor| (false, factor)).collect()),
+        Operation::Sum(addends) => (true, addends.clone()),
+        _ => (false, Vec::new()),
+    }
 }
 
 impl Pair {
-    fn of_addends((m, a): (bool, Op), (n, b): (bool, Op)) -> Self {
-        Self::Addends(a.min(b), a.max(b), m != n)
+    fn of(of_sum: bool, (m, a): (bool, Op), (n, b): (bool, Op)) -> Self {
+        Self { of_sum, a: a.min(b), b: a.max(b), opposed: m != n }
     }
 
-    fn operands(self) -> [Op; 2] {
-        match self {
-            Self::Factors(a, b) | Self::Addends(a, b, _) => [a, b],
+    /// The operation that makes it.
+    fn operation(self) -> Operation {
+        match self.of_sum {
+            true => Operation::Sum(vec![(false, self.a), (self.opposed, self.b)]),
+            false => Operation::Product(vec![self.a, self.b]),
         }
     }
 
     /// The pairs of an operation's operands with at least one that is `held`, each once. A node of two operands is the
     /// pair itself: it counts as an occurrence of it.
     fn all(operation: &Operation, held: &dyn Fn(Op) -> bool) -> Vec<Self> {
+        let (of_sum, operands) = signed(operation);
         let mut pairs: Vec<Self> = Vec::new();
-        if operation.operands().len() > LONGEST {
-            return pairs;
-        }
-        match operation {
-            Operation::Product(factors) => {
-                for (i, &a) in factors.iter().enumerate() {
-                    let rest = factors[i + 1..].iter().filter(|&&b| held(a) || held(b));
-                    pairs.extend(rest.map(|&b| Self::Factors(a.min(b), a.max(b))));
-                }
+        if operands.len() <= LONGEST {
+            for (i, &a) in operands.iter().enumerate() {
+                let rest = operands[i + 1..].iter().filter(|b| held(a.1) || held(b.1));
+                pairs.extend(rest.map(|&b| Self::of(of_sum, a, b)));
             }
-            Operation::Sum(addends) => {
-                for (i, &a) in addends.iter().enumerate() {
-                    let rest = addends[i + 1..].iter().filter(|b| held(a.1) || held(b.1));
-                    pairs.extend(rest.map(|&b| Self::of_addends(a, b)));
-                }
-            }
-            _ => {}
         }
         pairs.sort_unstable();
         pairs.dedup();
         pairs
     }
 
-    /// Where two addends make the pair. An operand may occur more than once, so places count, not operands.
-    fn places(&self, addends: &[(bool, Op)]) -> Option<(usize, usize)> {
-        let [a, b] = self.operands();
-        let first = (0..addends.len()).filter(|&i| addends[i].1 == a || addends[i].1 == b);
-        let mut places = first.flat_map(|i| (i + 1..addends.len()).map(move |j| (i, j)));
-        places.find(|&(i, j)| Self::of_addends(addends[i], addends[j]) == *self)
-    }
-
-    fn occurs(&self, operation: &Operation) -> bool {
-        match (self, operation) {
-            (Self::Factors(a, b), Operation::Product(factors)) => {
-                let count = |op: &Op| factors.iter().filter(|factor| *factor == op).count();
-                if a == b { count(a) >= 2 } else { count(a) >= 1 && count(b) >= 1 }
-            }
-            (Self::Addends(..), Operation::Sum(addends)) => self.places(addends).is_some(),
-            _ => false,
-        }
-    }
-
-    /// Puts `shared` in the place of one occurrence, if there is one.
-    fn replace(&self, operation: &mut Operation, shared: Op) -> bool {
-        if operation.operands().len() <= 2 || !self.occurs(operation) {
+    /// Puts `shared` in the place of one occurrence, if there is one. An operand may occur more than once, so places
+    /// count, not operands.
+    fn replace(self, operation: &mut Operation, shared: Op) -> bool {
+        let (of_sum, mut operands) = signed(operation);
+        if operands.len() <= 2 || of_sum != self.of_sum {
             return false;
         }
-        match (self, operation) {
-            (Self::Factors(a, b), Operation::Product(factors)) => {
-                for op in [a, b] {
-                    if let Some(at) = factors.iter().position(|factor| factor == op) {
-                        factors.remove(at);
-                    }
-                }
-                factors.push(shared);
-                factors.sort();
-            }
-            (Self::Addends(first, ..), Operation::Sum(addends)) => {
-                let Some((i, j)) = self.places(addends) else { return false };
-                let later = addends.remove(j);
-                let earlier = addends.remove(i);
-                // the pair has the sign of its first operand
-                let sign = if earlier.1 == *first { earlier.0 } else { later.0 };
-                addends.push((sign, shared));
-                addends.sort_by_key(|&(_, op)| op);
-            }
-            _ => return false,
-        }
+        let first = (0..operands.len()).filter(|&i| [self.a, self.b].contains(&operands[i].1));
+        let mut places = first.flat_map(|i| (i + 1..operands.len()).map(move |j| (i, j)));
+        let Some((i, j)) = places.find(|&(i, j)| Self::of(of_sum, operands[i], operands[j]) == self) else {
+            return false;
+        };
+        let later = operands.remove(j);
+        let earlier = operands.remove(i);
+        // the pair has the sign of its first operand
+        let sign = if earlier.1 == self.a { earlier.0 } else { later.0 };
+        operands.push((sign, shared));
+        operands.sort_by_key(|&(_, op)| op);
+        *operation = match of_sum {
+            true => Operation::Sum(operands),
+            false => Operation::Product(operands.into_iter().map(|(_, op)| op).collect()),
+        };
         true
     }
 }

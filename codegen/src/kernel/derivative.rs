@@ -35,14 +35,14 @@ pub fn derivative<'a>(
             (DerivativeRole::Adjoint, vec![adjoint.state, adjoint.control, adjoint.parameters])
         }),
     );
-    let Matrices { through, columns: [state, control, parameters] } = linearization.matrices(arena, wanted);
+    let Matrices { through, columns } = linearization.matrices(arena, wanted);
     maps.extend(through.map(|columns| (DerivativeRole::Through, columns)));
     let both = |columns: Vec<(Vector<'a>, Vector<'a>)>| {
         columns.into_iter().flat_map(|(explicit, unknown)| [explicit, unknown]).collect()
     };
-    maps.extend(state.map(|columns| (DerivativeRole::WrtState, both(columns))));
-    maps.extend(control.map(|columns| (DerivativeRole::WrtControl, both(columns))));
-    maps.extend(parameters.map(|columns| (DerivativeRole::WrtParameters, both(columns))));
+    let roles = [DerivativeRole::WrtState, DerivativeRole::WrtControl, DerivativeRole::WrtParameters];
+    let matrices = roles.into_iter().zip(columns);
+    maps.extend(matrices.filter_map(|(role, columns)| Some((role, both(columns?)))));
 
     let all: Vec<Expr<'a>> = maps.iter().flat_map(|(_, map)| map).flat_map(Vector::iter).collect();
     let mut code = Code::new(arena, inputs, all.into_iter());

@@ -3,8 +3,6 @@
 //! Derivatives come out as sums of products in which whole groups of factors repeat. Factoring them shortens the sums,
 //! and the sums left in parentheses are often the same in several places, where hash-consing then shares them.
 
-use std::collections::BTreeSet;
-
 use rustc_hash::FxHashMap;
 
 use crate::expr::{Arena, Expr, Id, Node, Number, Sum};
@@ -33,8 +31,7 @@ impl<'a> Factoring<'a> {
 
     pub(super) fn of(&mut self, expr: Expr<'a>) -> Expr<'a> {
         let arena = self.arena;
-        // operands have smaller ids than what is made of them
-        for id in self.new_nodes(expr.id()) {
+        for id in arena.unknown(expr.id(), &self.known) {
             let result = match arena.node(id) {
                 Node::Sum(sum) => self.sum(&sum),
                 _ => arena.rebuild(id, |operand| self.known(operand)),
@@ -42,18 +39,6 @@ impl<'a> Factoring<'a> {
             self.known.insert(id, result);
         }
         arena.expr(self.known(expr.id()))
-    }
-
-    /// What a node is made of and has not been met, itself included, in the order of creation.
-    fn new_nodes(&self, id: Id) -> Vec<Id> {
-        let mut new = BTreeSet::new();
-        let mut pending = vec![id];
-        while let Some(id) = pending.pop() {
-            if !self.known.contains_key(&id) && new.insert(id) {
-                pending.extend(self.arena.node(id).operands());
-            }
-        }
-        new.into_iter().collect()
     }
 
     /// The image of a node; itself, if it was not met.

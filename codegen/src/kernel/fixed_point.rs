@@ -1,12 +1,11 @@
 //! The update of the fixed-point iteration on a step's equation `L x = right(x)`.
 
-use crate::expr::{Expr, Matrix, Quotient, Stage, Vector};
+use crate::expr::{Expr, Matrix, Stage, Vector};
 use crate::method::Step;
 
 /// `L⁻¹`, where the left side is linear in the unknown with coefficients that depend on parameters and step alone: it
 /// is then computed once, when the stepper is built.
 fn inverse<'a>(step: &Step<'a>) -> Option<Matrix<'a>> {
-    let arena = step.h.arena();
     let symbols = step.unknown.symbols();
     if symbols.is_empty() {
         return None;
@@ -18,12 +17,7 @@ fn inverse<'a>(step: &Step<'a>) -> Option<Matrix<'a>> {
     if !(is_constant && is_linear) {
         return None;
     }
-    let unit = |j: usize| {
-        let entry = |i: usize| if i == j { arena.one() } else { arena.zero() };
-        Vector((0..symbols.len()).map(entry).collect::<Vec<_>>())
-    };
-    let columns: Vec<Vector<'a>> = (0..symbols.len()).map(|j| matrix.solve(&unit(j))).collect();
-    Some(Matrix::from_columns(&columns))
+    Some(matrix.inverse())
 }
 
 /// The next iterate: `L⁻¹ right`, or that of the equation without denominators, if there are any.
@@ -41,14 +35,14 @@ fn cleared_update<'a>(step: &Step<'a>, inverse: &Matrix<'a>) -> Option<Vector<'a
     let arena = step.h.arena();
     let symbols = step.unknown.symbols();
     let quotients = step.right.iter().map(|right| right.as_quotient(&symbols));
-    let quotients: Vec<Quotient<'a>> = quotients.collect::<Option<_>>()?;
-    if quotients.iter().all(|quotient| quotient.denominator == arena.one()) {
+    let quotients: Vec<(Expr<'a>, Expr<'a>)> = quotients.collect::<Option<_>>()?;
+    if quotients.iter().all(|(_, denominator)| *denominator == arena.one()) {
         return None;
     }
     let row = |i: usize| {
-        let denominator = quotients[i].denominator;
+        let (_, denominator) = quotients[i];
         let mut sum = arena.zero();
-        for (j, Quotient { numerator, denominator: other }) in quotients.iter().enumerate() {
+        for (j, (numerator, other)) in quotients.iter().enumerate() {
             if inverse.at(i, j).is_zero() {
                 continue;
             }

@@ -9,14 +9,8 @@ use super::dag::{Dag, Op, Operation, Signed};
 use crate::expr::{Function, Stage, Symbol};
 use crate::program::{DerivativeRole, RecordKind, StepRole};
 
-/// Where a value is computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Home {
-    /// In the function that returns this record.
-    Record(RecordKind),
-    /// In each function that uses it.
-    Local,
-}
+/// Where a value is computed: in the function that returns this record, or in each function that uses it.
+type Home = Option<RecordKind>;
 
 /// The outline of a function: its role, and what it must return.
 pub(super) struct Outline<R> {
@@ -54,26 +48,23 @@ impl Homes {
         };
         let reachable = |roles: &[StepRole]| dag.reachable_from(roots(roles));
         let evaluating = reachable(&[StepRole::Evaluate]);
-        let solving = reachable(&[
-            StepRole::Evaluate,
-            StepRole::Correction,
-            StepRole::FixedPointUpdate,
-            StepRole::Domain,
-        ]);
+        let (update, domain) = (StepRole::FixedPointUpdate, StepRole::Domain);
+        let solving = reachable(&[StepRole::Evaluate, StepRole::Correction, update, domain]);
         let arguments: FxHashSet<Op> = evaluating.iter().filter_map(|&op| dag.stumpff_argument(op)).collect();
         let is_given = |op: Op| matches!(dag.operation(op), Operation::Symbol(s) if given.contains(s));
         let place = |op: Op| match dag.stage(op) {
-            Stage::Parameters => Home::Record(RecordKind::Constants),
-            Stage::Perturbation => Home::Local,
+            Stage::Parameters => Some(RecordKind::Constants),
+            Stage::Perturbation => None,
             // What only the next state is made of is computed there, once a step too: the solution is not to wait
             // behind it.
-            Stage::Step if solving.contains(&op) || is_given(op) => Home::Record(RecordKind::Step),
-            Stage::Iteration if evaluating.contains(&op) => Home::Record(RecordKind::Iterate),
+            Stage::Step if solving.contains(&op) || is_given(op) => Some(RecordKind::Step),
+            Stage::Iteration if evaluating.contains(&op) => Some(RecordKind::Iterate),
             // Stumpff functions of one argument are computed together
-            Stage::Iteration if dag.stumpff_argument(op).is_some_and(|z| arguments.contains(&z)) => {
-                Home::Record(RecordKind::Iterate)
+            Stage::Iteration => {
+                let argument = dag.stumpff_argument(op).filter(|argument| arguments.contains(argument));
+                argument.map(|_| RecordKind::Iterate)
             }
-            _ => Home::Local,
+            _ => None,
         };
         let places = dag.ops().map(|op| (op, place(op))).collect();
         let mut placement = Self { places, stored: BTreeSet::new() };
@@ -81,16 +72,15 @@ impl Homes {
         // everything that some function computes
         let used = dag.reachable_from(functions.iter().flat_map(Outline::results).map(|s| s.op).collect());
         for op in dag.ops() {
-            if used.contains(&op) || placement.places[&op] == Home::Record(RecordKind::Iterate) {
+            if used.contains(&op) || placement.places[&op] == Some(RecordKind::Iterate) {
                 for operand in dag.operation(op).operands() {
                     placement.store_if_used_elsewhere(dag, operand, placement.places[&op], &is_given);
                 }
             }
         }
         for function in functions {
-            let place = function.record.map_or(Home::Local, Home::Record);
             for signed in function.results() {
-                placement.store_if_used_elsewhere(dag, signed.op, place, &is_given);
+                placement.store_if_used_elsewhere(dag, signed.op, function.record, &is_given);
             }
         }
         placement
@@ -102,7 +92,7 @@ impl Homes {
         let is_constant = matches!(dag.operation(op), Operation::Number(_));
         // symbols of the state and the unknown are given everywhere
         let at_hand = dag.operation(op).is_leaf() && dag.stage(op) != Stage::Parameters && !is_given(op);
-        if place != Home::Local && place != user && !is_constant && !at_hand {
+        if place.is_some() && place != user && !is_constant && !at_hand {
             self.stored.insert(op);
         }
     }
@@ -119,17 +109,13 @@ impl Homes {
         let at_point = dag.reachable_from(coefficients);
         let place = |op: Op| {
             let is_symbol = matches!(dag.operation(op), Operation::Symbol(_));
-            match !is_linear(op) && (is_symbol || at_point.contains(&op)) {
-                true => Home::Record(RecordKind::Point),
-                false => Home::Local,
-            }
+            (!is_linear(op) && (is_symbol || at_point.contains(&op))).then_some(RecordKind::Point)
         };
         let places: FxHashMap<Op, Home> = dag.ops().map(|op| (op, place(op))).collect();
-        let local = dag.ops().filter(|op| all.contains(op) && places[op] == Home::Local);
+        let local = dag.ops().filter(|op| all.contains(op) && places[op].is_none());
         let used = results.iter().copied().chain(local.flat_map(|op| dag.operation(op).operands()));
-        let stored = used
-            .filter(|op| places[op] != Home::Local && !matches!(dag.operation(*op), Operation::Number(_)));
-        let stored = stored.collect();
+        let is_number = |op: Op| matches!(dag.operation(op), Operation::Number(_));
+        let stored = used.filter(|&op| places[&op].is_some() && !is_number(op)).collect();
         Self { places, stored }
     }
 
@@ -140,19 +126,13 @@ impl Homes {
 
     /// The values that a record stores, in the order of creation.
     pub(super) fn stored_in(&self, kind: RecordKind) -> Vec<Op> {
-        let here = |op: &Op| self.places.get(op) == Some(&Home::Record(kind));
+        let here = |op: &Op| self.places.get(op) == Some(&Some(kind));
         self.stored.iter().copied().filter(here).collect()
     }
 
     /// Whether a function that returns `record`, if any, finds the value rather than computing it.
     pub(super) fn is_given(&self, dag: &Dag<'_>, record: Option<RecordKind>, op: Op) -> bool {
-        match dag.operation(op) {
-            Operation::Symbol(_) | Operation::Number(_) => true,
-            _ => {
-                let here = record.map_or(Home::Local, Home::Record);
-                self.stored.contains(&op) && self.places[&op] != here
-            }
-        }
+        dag.operation(op).is_leaf() || self.stored.contains(&op) && self.places[&op] != record
     }
 }
 

@@ -176,19 +176,12 @@ impl<'a> Code<'a> {
             kinds.map(|kind| Record { kind, fields: self.fields(&placement, kind) }).collect();
         let functions = functions.iter().map(|returned| {
             let storing = returned.record.map_or_else(Vec::new, |kind| placement.stored_in(kind));
-            let body = Writer::body(&self.dag, &placement, &mut self.names, returned, &storing);
+            let (statements, results) =
+                Writer::body(&self.dag, &placement, &mut self.names, returned, &storing);
             let inputs = returned.role.signature().inputs.iter().filter(|input| self.inputs.has(**input));
-            let arguments = inputs.map(|&input| {
-                let values = self.components(&records, input);
-                Argument { input, values }
-            });
-            let mut function = Function {
-                role: returned.role,
-                arguments: arguments.collect(),
-                statements: body.statements,
-                record: returned.record,
-                results: body.results,
-            };
+            let arguments = inputs.map(|&input| Argument { input, values: self.components(&records, input) });
+            let (arguments, role, record) = (arguments.collect(), returned.role, returned.record);
+            let mut function = Function { role, arguments, statements, record, results };
             function.keep_used_arguments(&records);
             function
         });
@@ -239,8 +232,12 @@ type InputNames<'n> = dyn Fn(Input, &str) -> Vec<String> + 'n;
 /// Functions whose results have names, for those of what they are computed from.
 trait Results: FunctionRole {
     /// The results' names; none where numbers will do.
-    fn result_names(self, names: &InputNames<'_>) -> Vec<String>;
+    fn result_names(self, _names: &InputNames<'_>) -> Vec<String> {
+        Vec::new()
+    }
 }
+
+impl Results for SystemRole {}
 
 impl Results for StepRole {
     fn result_names(self, names: &InputNames<'_>) -> Vec<String> {
@@ -250,11 +247,5 @@ impl Results for StepRole {
             Self::Finish => names(Input::State, "_next"),
             Self::New | Self::Begin | Self::Correction | Self::Domain => Vec::new(),
         }
-    }
-}
-
-impl Results for SystemRole {
-    fn result_names(self, _: &InputNames<'_>) -> Vec<String> {
-        Vec::new()
     }
 }

@@ -36,10 +36,7 @@ pub(super) struct Names {
 const LONGEST_DESCRIPTION: usize = 3;
 
 /// The names that are in use in one function beside the [shared](Names) ones.
-#[derive(Default)]
-pub(super) struct Locals {
-    used: FxHashSet<String>,
-}
+pub(super) type Locals = FxHashSet<String>;
 
 impl Names {
     /// Names the symbols of a dag, in the order of creation: users' names come first, so that ours give way.
@@ -138,21 +135,21 @@ impl Names {
     pub(super) fn local(&mut self, dag: &Dag<'_>, op: Op, locals: &mut Locals) -> Value {
         let name = match self.own_name(dag, op) {
             Some(mut name) => {
-                while self.shared.contains(&name) || locals.used.contains(&name) {
+                while self.shared.contains(&name) || locals.contains(&name) {
                     name.push('_');
                 }
                 name
             }
             None => self.number(self.consumer(op), locals),
         };
-        locals.used.insert(name.clone());
+        locals.insert(name.clone());
         self.value(name)
     }
 
     /// Names the beginning of a long sum.
     pub(super) fn part(&mut self, locals: &mut Locals) -> Value {
         let name = self.number("sum".into(), locals);
-        locals.used.insert(name.clone());
+        locals.insert(name.clone());
         self.value(name)
     }
 
@@ -162,7 +159,7 @@ impl Names {
         loop {
             *count += 1;
             let name = format!("{stem}_{count}");
-            if ![&self.shared, &locals.used, &self.reserved].iter().any(|taken| taken.contains(&name)) {
+            if ![&self.shared, locals, &self.reserved].iter().any(|taken| taken.contains(&name)) {
                 return name;
             }
         }

@@ -34,11 +34,8 @@ pub(super) struct Writer<'l, 'a> {
     statements: Vec<Statement>,
 }
 
-/// A function's body.
-pub(super) struct Body {
-    pub statements: Vec<Statement>,
-    pub results: Vec<Vec<Term>>,
-}
+/// A function's body: statements and results.
+type Body = (Vec<Statement>, Vec<Vec<Term>>);
 
 impl<'l, 'a> Writer<'l, 'a> {
     /// The body of a function that stores these values.
@@ -79,14 +76,11 @@ impl<'l, 'a> Writer<'l, 'a> {
     fn lines(mut self, results: Vec<Vec<Term>>, associate: bool) -> Body {
         let mut statements = Vec::new();
         for statement in std::mem::take(&mut self.statements) {
+            let mut last = |term| self.cut(reassociated(term, associate), &mut statements);
             let statement = match statement {
-                Statement::Let { value, term } => {
-                    let term = self.cut(reassociated(term, associate), &mut statements);
-                    Statement::Let { value, term }
-                }
+                Statement::Let { value, term } => Statement::Let { value, term: last(term) },
                 Statement::Stumpff { values, argument } => {
-                    let argument = self.cut(reassociated(argument, associate), &mut statements);
-                    Statement::Stumpff { values, argument }
+                    Statement::Stumpff { values, argument: last(argument) }
                 }
             };
             statements.push(statement);
@@ -94,7 +88,7 @@ impl<'l, 'a> Writer<'l, 'a> {
         let mut last = |term| self.cut(reassociated(term, associate), &mut statements);
         let results = results.into_iter().map(|array| array.into_iter().map(&mut last).collect());
         let results = results.collect();
-        Body { statements, results }
+        (statements, results)
     }
 
     /// Cuts the beginning of a long sum into lines of its own.

@@ -18,19 +18,15 @@ impl<'a> Lowering<'a, '_> {
             Member::Named(name) => {
                 let written = name.to_string();
                 if let Value::Element(element) = &base {
-                    return match element.component(&written, false) {
-                        Some(value) => Some(value),
-                        None => self.fail(name, element.no_component(&written)),
-                    };
+                    let component = element.component(&written, false);
+                    return component.or_else(|| self.fail(name, element.no_component(&written)));
                 }
                 let base = match (base, written.as_str()) {
                     (Value::Point(point), "coords") => return Some(Value::Vector(point)),
+                    // nalgebra's translations are vectors with a name for it
+                    (Value::Vector(vector), "vector") => return Some(Value::Vector(vector)),
                     (base, _) => base,
                 };
-                // nalgebra's translations are vectors with a name for it
-                if let (Value::Vector(_), "vector") = (&base, written.as_str()) {
-                    return Some(base);
-                }
                 let names = names(&base);
                 if let Some((_, place)) = names.iter().find(|(known, _)| *known == written) {
                     return at(&base, *place);
@@ -44,10 +40,10 @@ impl<'a> Lowering<'a, '_> {
                 self.fail(name, message)
             }
             Member::Unnamed(index) => match &base {
-                Value::Tuple(values) => match values.get(index.index as usize) {
-                    Some(value) => Some(value.clone()),
-                    None => self.fail(index, format!("{} ends before this", base.describe())),
-                },
+                Value::Tuple(values) => {
+                    let value = values.get(index.index as usize).cloned();
+                    value.or_else(|| self.fail(index, format!("{} ends before this", base.describe())))
+                }
                 Value::Vector(_) => {
                     self.fail(index, format!("write `[{}]` for a component by number", index.index))
                 }
@@ -63,48 +59,41 @@ impl<'a> Lowering<'a, '_> {
         let (base, place) = (base?, place?);
         let within = |i: i64, bound: usize| usize::try_from(i).ok().filter(|&i| i < bound);
         if let Value::Array(values) = &base {
-            return match place {
-                Value::Integer(k) => match within(k, values.len()) {
-                    Some(k) => Some(values[k].clone()),
-                    None => {
-                        let (n, last) = (values.len(), values.len().saturating_sub(1));
-                        let message = format!("this index is out of range: an array of {n} has 0 to {last}");
-                        self.fail(&index.index, message)
-                    }
-                },
-                _ => self.fail(&index.index, "the index of an array is an integer that is known now"),
+            let Value::Integer(k) = place else {
+                return self.fail(&index.index, "the index of an array is an integer that is known now");
             };
+            let (n, last) = (values.len(), values.len().saturating_sub(1));
+            let message = || format!("this index is out of range: an array of {n} has 0 to {last}");
+            return within(k, n).map(|k| values[k].clone()).or_else(|| self.fail(&index.index, message()));
         }
         let Some(matrix) = base.as_matrix() else {
             return self.fail(index, format!("{} cannot be indexed", base.describe()));
         };
         let (rows, columns) = (matrix.rows, matrix.columns);
-        match place {
+        let pair = match &place {
+            Value::Tuple(pair) => pair.as_slice(),
+            _ => &[],
+        };
+        let (place, range) = match (&place, pair) {
             // nalgebra counts the entries of a matrix by columns
-            Value::Integer(k) => match within(k, rows * columns) {
-                Some(k) => Some(Value::Scalar(matrix.at(k % rows, k / rows))),
-                None => self.out_of_range(&index.index, &base, format!("0 to {}", rows * columns - 1)),
-            },
-            Value::Tuple(pair) => match pair.as_slice() {
-                [Value::Integer(i), Value::Integer(j)] => match (within(*i, rows), within(*j, columns)) {
-                    (Some(i), Some(j)) => Some(Value::Scalar(matrix.at(i, j))),
-                    _ => {
-                        let range = format!("(0, 0) to ({}, {})", rows - 1, columns - 1);
-                        self.out_of_range(&index.index, &base, range)
-                    }
-                },
-                _ => self.fail(&index.index, INDICES),
-            },
-            _ => self.fail(&index.index, INDICES),
-        }
-    }
-
-    fn out_of_range<T>(&mut self, index: &syn::Expr, base: &Value<'a>, range: String) -> Option<T> {
-        self.fail(index, format!("this index is out of range: {} has {range}", base.describe()))
+            (Value::Integer(k), _) => {
+                let place = within(*k, rows * columns).map(|k| (k % rows, k / rows));
+                (place, format!("0 to {}", rows * columns - 1))
+            }
+            (_, [Value::Integer(i), Value::Integer(j)]) => {
+                let place = within(*i, rows).zip(within(*j, columns));
+                (place, format!("(0, 0) to ({}, {})", rows - 1, columns - 1))
+            }
+            _ => {
+                let message = "an index is an integer, `v[0]`, or a pair of integers, `m[(0, 1)]`";
+                return self.fail(&index.index, message);
+            }
+        };
+        let message = || format!("this index is out of range: {} has {range}", base.describe());
+        let entry = place.map(|(i, j)| Value::Scalar(matrix.at(i, j)));
+        entry.or_else(|| self.fail(&index.index, message()))
     }
 }
-
-const INDICES: &str = "an index is an integer, `v[0]`, or a pair of integers, `m[(0, 1)]`";
 
 fn is_self(expr: &syn::Expr) -> bool {
     matches!(expr, syn::Expr::Path(path) if path.path.is_ident("self"))

@@ -71,10 +71,7 @@ impl<'a> Lowering<'a, '_> {
                 }
                 self.lower(&init.expr)
             }
-            None => {
-                self.diagnostics.push(local, "this variable needs a value; write `let name = …;`");
-                None
-            }
+            None => self.fail(local, "this variable needs a value; write `let name = …;`"),
         };
         self.bind(&local.pat, value);
     }
@@ -92,23 +89,21 @@ impl<'a> Lowering<'a, '_> {
             Pat::Wild(_) => {}
             Pat::Tuple(tuple) => {
                 let values = match value {
-                    Some(Value::Tuple(values)) if values.len() == tuple.elems.len() => {
-                        values.into_iter().map(Some).collect()
-                    }
+                    Some(Value::Tuple(values)) if values.len() == tuple.elems.len() => values,
                     Some(other) => {
                         let message = format!("{} cannot be taken apart like this", other.describe());
                         self.diagnostics.push(tuple, message);
-                        vec![None; tuple.elems.len()]
+                        Vec::new()
                     }
-                    None => vec![None; tuple.elems.len()],
+                    None => Vec::new(),
                 };
-                for (pattern, value) in tuple.elems.iter().zip(values) {
-                    self.bind(pattern, value);
-                }
+                let mut values = values.into_iter();
+                tuple.elems.iter().for_each(|pattern| self.bind(pattern, values.next()));
             }
-            _ => self
-                .diagnostics
-                .push(pattern, "a pattern is a name, or names in parentheses: `let (s, c) = …;`"),
+            _ => {
+                let message = "a pattern is a name, or names in parentheses: `let (s, c) = …;`";
+                self.diagnostics.push(pattern, message);
+            }
         }
     }
 }

@@ -38,6 +38,16 @@ fn point(name: &str) -> Option<usize> {
     }
 }
 
+/// A function by its path, `owner::name`.
+#[derive(Clone, Copy)]
+struct Path<'p> {
+    name: &'p Ident,
+    owner: &'p str,
+}
+
+/// Arguments, with the expressions that they are the values of.
+type Given<'v, 'a> = &'v [(Value<'a>, &'v Expr)];
+
 /// The rows of `matrix![…]`, or the one row of `vector![…]`.
 struct Rows(Vec<Punctuated<Expr, Token![,]>>);
 
@@ -72,11 +82,11 @@ impl<'a> Lowering<'a, '_> {
                            out, or its parts with `let`";
             return self.fail(&call.func, message);
         };
-        let name = &name.ident;
         let owner_name = owner.ident.to_string();
+        let path = Path { name: &name.ident, owner: &owner_name };
         if let Some(n) = point(&owner_name).filter(|_| function.qself.is_none()) {
             let arguments: Vec<(Value<'a>, &Expr)> = arguments?.into_iter().zip(&call.args).collect();
-            return self.point(name, &owner_name, n, &arguments);
+            return self.point(path, n, &arguments);
         }
         let scalar = scalar_named(&owner_name).is_some();
         let shape = shape_named(&owner_name).or_else(|| of_segment(owner).map(|(shape, _)| shape));
@@ -86,17 +96,17 @@ impl<'a> Lowering<'a, '_> {
             return self.fail(&call.func, message);
         };
         let arguments: Vec<(Value<'a>, &Expr)> = arguments?.into_iter().zip(&call.args).collect();
-        match name.to_string().as_str() {
-            "from" if scalar => self.converted(name, &arguments),
+        match path.name.to_string().as_str() {
+            "from" if scalar => self.converted(path.name, &arguments),
             constructor if !scalar && CONSTRUCTORS.contains(&constructor) => {
-                self.constructor(name, &owner_name, shape, &arguments)
+                self.constructor(path, shape, &arguments)
             }
-            _ => self.function(name, &owner_name, shape, &arguments),
+            _ => self.function(path, shape, &arguments),
         }
     }
 
     /// `f64::from(integer)`
-    fn converted(&mut self, name: &Ident, arguments: &[(Value<'a>, &Expr)]) -> Option<Value<'a>> {
+    fn converted(&mut self, name: &Ident, arguments: Given<'_, 'a>) -> Option<Value<'a>> {
         match arguments {
             [(Value::Integer(integer), _)] => Some(Value::Scalar(self.arena.number(Number::from(*integer)))),
             [(_, expr)] => self.fail(expr, "only integers can be converted; this needs no conversion"),
@@ -105,22 +115,14 @@ impl<'a> Lowering<'a, '_> {
     }
 
     /// A method written as a function, with the receiver in front.
-    fn function(
-        &mut self,
-        name: &Ident,
-        owner: &str,
-        shape: Shape,
-        arguments: &[(Value<'a>, &Expr)],
-    ) -> Option<Value<'a>> {
+    fn function(&mut self, path: Path<'_>, shape: Shape, arguments: Given<'_, 'a>) -> Option<Value<'a>> {
+        let Path { name, owner } = path;
         let Some(((receiver, expr), rest)) = arguments.split_first() else {
-            let message = match shape {
-                Shape::Scalar => format!("`{owner}::{name}` has no symbolic meaning here"),
-                _ => format!(
-                    "there is no `{owner}::{name}` here{}",
-                    suggestion(&name.to_string(), CONSTRUCTORS)
-                ),
-            };
-            return self.fail(name, message);
+            if shape == Shape::Scalar {
+                return self.fail(name, format!("`{owner}::{name}` has no symbolic meaning here"));
+            }
+            let guess = suggestion(&name.to_string(), CONSTRUCTORS);
+            return self.fail(name, format!("there is no `{owner}::{name}` here{guess}"));
         };
         if receiver.shape() != Some(shape) {
             let (expected, found) = (shape.describe(), receiver.describe());
@@ -134,13 +136,8 @@ impl<'a> Lowering<'a, '_> {
         self.method(name, &receiver, rest)
     }
 
-    fn constructor(
-        &mut self,
-        name: &Ident,
-        owner: &str,
-        shape: Shape,
-        arguments: &[(Value<'a>, &Expr)],
-    ) -> Option<Value<'a>> {
+    fn constructor(&mut self, path: Path<'_>, shape: Shape, arguments: Given<'_, 'a>) -> Option<Value<'a>> {
+        let Path { name, owner } = path;
         let (rows, columns) = match shape {
             Shape::Matrix(rows, columns) => (rows, columns),
             _ => (shape.size(), 1),
@@ -158,8 +155,7 @@ impl<'a> Lowering<'a, '_> {
         }
         let (zero, one) = (self.arena.zero(), self.arena.one());
         let filled = |entry: &dyn Fn(usize, usize) -> Symbolic<'a>| {
-            let entries = (0..rows * columns).map(|k| entry(k / columns, k % columns)).collect();
-            Some(Value::of_matrix(Matrix::new(rows, columns, entries)))
+            Some(Value::of_matrix(Matrix::from_fn(rows, columns, entry)))
         };
         let diagonal = |entry: Symbolic<'a>| filled(&|i, j| if i == j { entry } else { zero });
         match (what.as_str(), arguments) {
@@ -173,12 +169,11 @@ impl<'a> Lowering<'a, '_> {
                 Some(Value::of_matrix(Matrix::diagonal(vector)))
             }
             ("from_diagonal", [(other, expr)]) => {
-                let message = format!(
-                    "`{owner}::from_diagonal` takes a vector of {}, but this is {}",
-                    rows.min(columns),
-                    other.describe()
-                );
-                self.fail(expr, message)
+                let (n, found) = (rows.min(columns), other.describe());
+                self.fail(
+                    expr,
+                    format!("`{owner}::from_diagonal` takes a vector of {n}, but this is {found}"),
+                )
             }
             ("from_diagonal_element", _) => diagonal(*self.scalars(arguments)?.first()?),
             ("repeat" | "from_element", _) => {
@@ -188,26 +183,22 @@ impl<'a> Lowering<'a, '_> {
             // a unit vector along an axis
             (axis, _) => match ["x", "y", "z", "w"].iter().position(|known| *known == axis) {
                 Some(k) if columns == 1 && k < rows => filled(&|i, _| if i == k { one } else { zero }),
-                _ => self
-                    .fail(name, format!("there is no `{owner}::{what}` here; known: {}", list(CONSTRUCTORS))),
+                _ => {
+                    let known = list(CONSTRUCTORS);
+                    self.fail(name, format!("there is no `{owner}::{what}` here; known: {known}"))
+                }
             },
         }
     }
 
     /// `Point3::from(v)`, `Point3::new(x, y, z)`, `Point3::origin()`
-    fn point(
-        &mut self,
-        name: &Ident,
-        owner: &str,
-        n: usize,
-        arguments: &[(Value<'a>, &Expr)],
-    ) -> Option<Value<'a>> {
+    fn point(&mut self, path: Path<'_>, n: usize, arguments: Given<'_, 'a>) -> Option<Value<'a>> {
+        let Path { name, owner } = path;
         match (name.to_string().as_str(), arguments) {
             ("from", [(Value::Vector(vector), _)]) if vector.len() == n => Some(Value::Point(vector.clone())),
             ("from", [(other, expr)]) => {
-                let message =
-                    format!("`{owner}::from` takes a vector of {n}, but this is {}", other.describe());
-                self.fail(expr, message)
+                let found = other.describe();
+                self.fail(expr, format!("`{owner}::from` takes a vector of {n}, but this is {found}"))
             }
             ("new", _) if arguments.len() == n => Some(Value::Point(Vector(self.scalars(arguments)?))),
             ("new", _) => {
@@ -215,10 +206,10 @@ impl<'a> Lowering<'a, '_> {
                 self.fail(name, format!("`{owner}::new` takes {takes}, not {}", arguments.len()))
             }
             ("origin", []) => Some(Value::Point(Vector::zeros(self.arena, n))),
-            _ => self.fail(
-                name,
-                format!("there is no `{owner}::{name}` here{}", suggestion(&name.to_string(), POINTS)),
-            ),
+            _ => {
+                let guess = suggestion(&name.to_string(), POINTS);
+                self.fail(name, format!("there is no `{owner}::{name}` here{guess}"))
+            }
         }
     }
 
@@ -226,8 +217,8 @@ impl<'a> Lowering<'a, '_> {
     pub(super) fn macro_call(&mut self, call: &Macro) -> Option<Value<'a>> {
         let name = call.path.segments.last().map(|segment| segment.ident.to_string()).unwrap_or_default();
         if name != "vector" && name != "matrix" {
-            return self
-                .fail(&call.path, "the only macros with a symbolic meaning are `vector!` and `matrix!`");
+            let message = "the only macros with a symbolic meaning are `vector!` and `matrix!`";
+            return self.fail(&call.path, message);
         }
         let Rows(rows) = self.parsed(Rows::parse, &call.tokens)?;
         let columns = rows.first().map_or(0, Punctuated::len);
@@ -253,15 +244,11 @@ impl<'a> Lowering<'a, '_> {
 
     /// Values that must all be scalars.
     fn scalars(&mut self, values: &[(Value<'a>, &Expr)]) -> Option<Vec<Symbolic<'a>>> {
-        let scalars: Vec<Option<Symbolic<'a>>> = values
-            .iter()
-            .map(|(value, expr)| match value.as_scalar(self.arena) {
-                Some(scalar) => Some(scalar),
-                None => {
-                    self.fail(expr, format!("this entry must be a scalar, but it is {}", value.describe()))
-                }
-            })
-            .collect();
+        let scalar = |(value, expr): &(Value<'a>, &Expr)| {
+            let message = || format!("this entry must be a scalar, but it is {}", value.describe());
+            value.as_scalar(self.arena).or_else(|| self.fail(expr, message()))
+        };
+        let scalars: Vec<Option<Symbolic<'a>>> = values.iter().map(scalar).collect();
         scalars.into_iter().collect()
     }
 }

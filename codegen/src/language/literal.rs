@@ -1,6 +1,6 @@
 //! Literals, and integers turned into scalars.
 
-use syn::{ExprCast, Lit, LitFloat, LitInt, Type};
+use syn::{ExprCast, Lit, Type};
 
 use super::lowering::Lowering;
 use super::value::Value;
@@ -14,21 +14,13 @@ impl<'a> Lowering<'a, '_> {
             Lit::Int(integer) if scalar_named(integer.suffix()).is_some() => {
                 self.decimal(integer.base10_digits(), literal)
             }
-            Lit::Int(integer) => self.integer(integer),
-            Lit::Float(float) => self.float(float),
+            Lit::Int(integer) => {
+                let message = "this integer is too large; write it as a float, such as `1e30`";
+                integer.base10_parse().ok().map(Value::Integer).or_else(|| self.fail(integer, message))
+            }
+            Lit::Float(float) => self.decimal(float.base10_digits(), float),
             _ => self.fail(literal, "only numbers can be written here"),
         }
-    }
-
-    fn integer(&mut self, literal: &LitInt) -> Option<Value<'a>> {
-        match literal.base10_parse() {
-            Ok(integer) => Some(Value::Integer(integer)),
-            Err(_) => self.fail(literal, "this integer is too large; write it as a float, such as `1e30`"),
-        }
-    }
-
-    fn float(&mut self, literal: &LitFloat) -> Option<Value<'a>> {
-        self.decimal(literal.base10_digits(), literal)
     }
 
     fn decimal(&mut self, digits: &str, literal: impl quote::ToTokens) -> Option<Value<'a>> {
@@ -38,28 +30,25 @@ impl<'a> Lowering<'a, '_> {
             Ok(value) if !value.is_finite() => None,
             _ => Number::parse(digits),
         };
-        match number {
-            Some(number) => Some(Value::Scalar(self.arena.number(number))),
-            None => self.fail(literal, "this number is too large"),
-        }
+        let value = number.map(|number| Value::Scalar(self.arena.number(number)));
+        value.or_else(|| self.fail(literal, "this number is too large"))
     }
 
     /// `integer as f64`, `integer as i32`
     pub(super) fn cast(&mut self, cast: &ExprCast) -> Option<Value<'a>> {
         let value = self.lower(&cast.expr)?;
         match (value, float_type(&cast.ty)) {
-            (Value::Integer(integer), Some(_)) => {
-                Some(Value::Scalar(self.arena.number(Number::from(integer))))
-            }
+            (Value::Integer(integer), Some(_)) => Some(Value::Scalar(self.arena.number(integer))),
             (Value::Integer(integer), None) if holds(&cast.ty, integer) => Some(Value::Integer(integer)),
             (_, Some(_)) => {
                 // a cast between f32 and f64 rounds, which has no symbolic meaning
                 self.fail(cast.as_token, "only integers can be cast; this needs no cast")
             }
-            (_, None) => self.fail(
-                &cast.ty,
-                "only casts to `f64` and `f32` are supported, and of integers to `i32` and `usize`",
-            ),
+            (_, None) => {
+                let message =
+                    "only casts to `f64` and `f32` are supported, and of integers to `i32` and `usize`";
+                self.fail(&cast.ty, message)
+            }
         }
     }
 }

@@ -5,11 +5,10 @@ use quote::ToTokens;
 use syn::ext::IdentExt;
 use syn::{Expr, ExprPath, UnOp};
 
-use super::sanity;
 use super::scope::Scope;
 use super::value::Value;
 use crate::diagnostics::{Diagnostics, suggestion};
-use crate::expr::Arena;
+use crate::expr::{Arena, Expr as Symbolic, Node, Number};
 use crate::limits;
 
 /// The state of a lowering.
@@ -55,7 +54,7 @@ impl<'a, 's> Lowering<'a, 's> {
             );
             return self.fail(tokens, message);
         }
-        match scalars.into_iter().find_map(sanity::problem) {
+        match scalars.into_iter().find_map(problem) {
             Some(problem) => self.fail(tokens, problem),
             None => Some(value),
         }
@@ -63,8 +62,7 @@ impl<'a, 's> Lowering<'a, 's> {
 
     /// Reports a problem.
     pub(super) fn fail<T>(&mut self, tokens: impl ToTokens, message: impl std::fmt::Display) -> Option<T> {
-        self.diagnostics.push(tokens, message);
-        None
+        self.diagnostics.fail(tokens, message)
     }
 
     fn construct(&mut self, expr: &Expr) -> Option<Value<'a>> {
@@ -139,10 +137,10 @@ impl<'a, 's> Lowering<'a, 's> {
         match expr {
             Expr::If(choice) => self.not_smooth(choice.if_token, "a choice by `if`"),
             Expr::Match(choice) => self.not_smooth(choice.match_token, "a choice by `match`"),
-            Expr::Assign(assignment) => self.fail(
-                assignment.eq_token,
-                "assignments are not supported; give each value a name with `let`",
-            ),
+            Expr::Assign(assignment) => {
+                let message = "assignments are not supported; give each value a name with `let`";
+                self.fail(assignment.eq_token, message)
+            }
             Expr::ForLoop(looped) => self.unsupported(looped.for_token, "a loop"),
             Expr::While(looped) => self.unsupported(looped.while_token, "a loop"),
             Expr::Loop(looped) => self.unsupported(looped.loop_token, "a loop"),
@@ -191,4 +189,34 @@ impl<'a, 's> Lowering<'a, 's> {
 fn is_constant(name: &str) -> bool {
     name.starts_with(|first: char| first.is_ascii_uppercase())
         && name.chars().all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_')
+}
+
+/// The problem of a value, if there is one.
+///
+/// The symbolic core folds constants and collects exponents, so that a division by zero or an absurd power shows in the
+/// outermost node.
+fn problem(scalar: Symbolic<'_>) -> Option<String> {
+    let arena = scalar.arena();
+    match arena.node(scalar.id()) {
+        Node::Number(number) => not_finite(number),
+        Node::Product(factors) => too_high(&factors),
+        Node::Sum(sum) => {
+            let terms = sum.terms.iter().find_map(|&(term, coefficient)| match arena.node(term) {
+                Node::Product(factors) => not_finite(coefficient).or_else(|| too_high(&factors)),
+                _ => not_finite(coefficient),
+            });
+            not_finite(sum.constant).or(terms)
+        }
+        _ => None,
+    }
+}
+
+fn not_finite(number: Number) -> Option<String> {
+    (!number.is_finite()).then(|| "this constant is too large or not a number".to_owned())
+}
+
+fn too_high<Factor>(factors: &[(Factor, i32)]) -> Option<String> {
+    let highest = factors.iter().map(|(_, exponent)| exponent.unsigned_abs()).max()?;
+    (highest > limits::EXPONENT)
+        .then(|| format!("this holds a power of {highest}; the highest is {}", limits::EXPONENT))
 }

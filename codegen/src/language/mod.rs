@@ -12,7 +12,6 @@ mod literal;
 mod lowering;
 mod methods;
 mod operators;
-mod sanity;
 mod scope;
 mod sequence;
 mod value;
@@ -60,11 +59,8 @@ pub fn lower_scalar<'a>(
     diagnostics: &mut Diagnostics,
 ) -> Option<Expr<'a>> {
     let value = lower(expr, scope, arena, diagnostics)?;
-    let scalar = value.as_scalar(arena);
-    if scalar.is_none() {
-        diagnostics.push(result(expr), format!("{what} must be a scalar, but this is {}", value.describe()));
-    }
-    scalar
+    let message = || format!("{what} must be a scalar, but this is {}", value.describe());
+    value.as_scalar(arena).or_else(|| diagnostics.fail(result(expr), message()))
 }
 
 /// How a user writes a force.
@@ -78,50 +74,37 @@ pub enum ForceForm {
     Parts,
 }
 
-/// The symbolic meaning of a force on a factor with this group, if that is known, and how it is written.
-pub fn lower_force<'a>(
-    expr: &syn::Expr,
-    group: Option<&dyn Group>,
-    scope: &mut Scope<'a>,
-    arena: &'a Arena,
-    diagnostics: &mut Diagnostics,
-) -> Option<(Vector<'a>, ForceForm)> {
-    let value = lower(expr, scope, arena, diagnostics)?;
-    let force = force(&value, group, arena);
-    // on what is not known an array may act too
-    let is_open = group.is_none() && matches!(value, Value::Array(_));
-    if force.is_none() && !is_open {
-        let (expected, found) = (expected_force(group), value.describe());
-        diagnostics.push(result(expr), format!("this force must be {expected}, but this is {found}"));
-    }
-    force
-}
-
-/// The symbolic meaning of the forces on an array of so many factors with this group, and how each is written.
+/// The symbolic meaning of a force on a factor with this group, if that is known, or of those on an array of so many,
+/// and how each is written.
 pub fn lower_forces<'a>(
     expr: &syn::Expr,
-    (group, length): (&dyn Group, usize),
+    (group, length): (Option<&dyn Group>, Option<usize>),
     scope: &mut Scope<'a>,
     arena: &'a Arena,
     diagnostics: &mut Diagnostics,
 ) -> Option<(Vec<Vector<'a>>, ForceForm)> {
     let value = lower(expr, scope, arena, diagnostics)?;
-    let forces = match &value {
-        Value::Array(values) if values.len() == length => {
-            values.iter().map(|value| force(value, Some(group), arena)).collect::<Option<Vec<_>>>()
-        }
-        _ => None,
+    let values = match (length, &value) {
+        (None, one) => std::slice::from_ref(one),
+        (Some(length), Value::Array(values)) if values.len() == length => values,
+        (Some(_), _) => &[],
     };
-    let form = forces.as_ref().and_then(|forces| Some(forces.first()?.1));
-    let Some((forces, form)) = forces.zip(form) else {
-        let (expected, found) = (expected_force(Some(group)), value.describe());
-        let message = format!(
+    let forces: Option<Vec<_>> = values.iter().map(|value| force(value, group, arena)).collect();
+    if let Some(forces) = forces
+        && let Some(&(_, form)) = forces.first()
+    {
+        return Some((forces.into_iter().map(|(force, _)| force).collect(), form));
+    }
+    let (expected, found) = (expected_force(group), value.describe());
+    let message = match length {
+        // on what is not known an array may act too
+        None if group.is_none() && matches!(value, Value::Array(_)) => return None,
+        None => format!("this force must be {expected}, but this is {found}"),
+        Some(length) => format!(
             "these forces must be an array of {length}, one for each factor, each {expected}, but this is {found}"
-        );
-        diagnostics.push(result(expr), message);
-        return None;
+        ),
     };
-    Some((forces.into_iter().map(|(force, _)| force).collect(), form))
+    diagnostics.fail(result(expr), message)
 }
 
 /// A value as a force on a factor with this group, if it can be one.
@@ -132,10 +115,7 @@ fn force<'a>(
 ) -> Option<(Vector<'a>, ForceForm)> {
     let (components, form) = match value {
         Value::Vector(vector) => (Some(vector.0.clone()), ForceForm::Vector),
-        Value::Tuple(values) => {
-            let parts = group.and_then(|group| parts(values, group, arena));
-            (parts, ForceForm::Parts)
-        }
+        Value::Tuple(values) => (group.and_then(|group| parts(values, group, arena)), ForceForm::Parts),
         _ => (value.as_scalar(arena).map(|scalar| vec![scalar]), ForceForm::Scalar),
     };
     let fits =

@@ -5,7 +5,7 @@ use syn::{BinOp, Expr, ExprBinary, Ident};
 
 use super::lowering::Lowering;
 use super::value::Value;
-use crate::expr::{Expr as Symbolic, Vector};
+use crate::expr::Expr as Symbolic;
 
 /// An operation that has a symbolic meaning.
 #[derive(Clone, Copy, PartialEq)]
@@ -62,8 +62,10 @@ impl<'a> Lowering<'a, '_> {
             let right = self.lower(&link.right);
             let Some(operation) = Operation::of(&link.op) else {
                 value = match (&link.op, &value, &right) {
+                    // as places in a ring of elements are told: `(i + 1) % 4`
                     (BinOp::Rem(sign), Some(Value::Integer(left)), Some(Value::Integer(right))) => {
-                        self.remainder(*left, *right, sign)
+                        let remainder = left.checked_rem(*right).map(Value::Integer);
+                        remainder.or_else(|| self.fail(sign, "this divides by zero"))
                     }
                     _ => self.no_arithmetic(&link.op),
                 };
@@ -109,20 +111,17 @@ impl<'a> Lowering<'a, '_> {
         if let (Value::Integer(left), Value::Integer(right)) = (&left, &right) {
             return self.integers(operation, *left, *right, operator);
         }
+        let divisor = right.as_scalar(self.arena).filter(|_| operation == Operation::Divide);
+        if divisor.is_some_and(Symbolic::is_zero) {
+            return self.fail(operator, "this divides by zero");
+        }
         if let (Some(left), Some(right)) = (left.as_scalar(self.arena), right.as_scalar(self.arena)) {
-            self.not_zero(operation, right, operator)?;
             return Some(Value::Scalar(operation.scalars(left, right)));
         }
         let result = match operation {
             Operation::Add | Operation::Subtract => entrywise(operation, &left, &right),
             Operation::Multiply => self.product(&left, &right),
-            Operation::Divide => match right.as_scalar(self.arena) {
-                Some(divisor) => {
-                    self.not_zero(operation, divisor, operator)?;
-                    scaled(&left, divisor.recip())
-                }
-                None => None,
-            },
+            Operation::Divide => divisor.and_then(|divisor| scaled(&left, divisor.recip())),
         };
         if let (Operation::Multiply, Value::Element(pose), Value::Vector(vector)) = (operation, &left, &right)
             && pose.moves_points()
@@ -155,30 +154,7 @@ impl<'a> Lowering<'a, '_> {
                 return self.fail(operator, message);
             }
         };
-        match result {
-            Some(result) => Some(Value::Integer(result)),
-            None => self.fail(operator, "this integer is too large"),
-        }
-    }
-
-    /// Of integers, as places in a ring of elements are told: `(i + 1) % 4`.
-    fn remainder(&mut self, left: i64, right: i64, sign: impl ToTokens) -> Option<Value<'a>> {
-        match left.checked_rem(right) {
-            Some(remainder) => Some(Value::Integer(remainder)),
-            None => self.fail(sign, "this divides by zero"),
-        }
-    }
-
-    fn not_zero(
-        &mut self,
-        operation: Operation,
-        divisor: Symbolic<'a>,
-        operator: &dyn ToTokens,
-    ) -> Option<()> {
-        if operation == Operation::Divide && divisor.is_zero() {
-            return self.fail(operator, "this divides by zero");
-        }
-        Some(())
+        result.map(Value::Integer).or_else(|| self.fail(operator, "this integer is too large"))
     }
 
     fn product(&self, left: &Value<'a>, right: &Value<'a>) -> Option<Value<'a>> {
@@ -197,10 +173,10 @@ impl<'a> Lowering<'a, '_> {
 
     pub(super) fn negated(&mut self, value: Value<'a>, sign: impl ToTokens) -> Option<Value<'a>> {
         match value {
-            Value::Integer(integer) => match integer.checked_neg() {
-                Some(integer) => Some(Value::Integer(integer)),
-                None => self.fail(sign, "this integer is too large"),
-            },
+            Value::Integer(integer) => {
+                let negative = integer.checked_neg().map(Value::Integer);
+                negative.or_else(|| self.fail(sign, "this integer is too large"))
+            }
             Value::Scalar(scalar) => Some(Value::Scalar(-scalar)),
             Value::Vector(vector) => Some(Value::Vector(-&vector)),
             Value::Matrix(matrix) => Some(Value::Matrix(matrix.map(|entry| -entry))),
@@ -222,8 +198,7 @@ pub(super) fn scaled<'a>(value: &Value<'a>, factor: Symbolic<'a>) -> Option<Valu
 fn entrywise<'a>(operation: Operation, left: &Value<'a>, right: &Value<'a>) -> Option<Value<'a>> {
     match (left, right) {
         (Value::Vector(left), Value::Vector(right)) if left.len() == right.len() => {
-            let entries = left.iter().zip(right.iter()).map(|(a, b)| operation.scalars(a, b));
-            Some(Value::Vector(Vector(entries.collect())))
+            Some(Value::Vector(left.zip(right, |a, b| operation.scalars(a, b))))
         }
         (Value::Matrix(left), Value::Matrix(right))
             if (left.rows, left.columns) == (right.rows, right.columns) =>
@@ -231,8 +206,7 @@ fn entrywise<'a>(operation: Operation, left: &Value<'a>, right: &Value<'a>) -> O
             Some(Value::Matrix(left.zip(right, |a, b| operation.scalars(a, b))))
         }
         (Value::Point(point), Value::Vector(vector)) if point.len() == vector.len() => {
-            let entries = point.iter().zip(vector.iter()).map(|(a, b)| operation.scalars(a, b));
-            Some(Value::Point(Vector(entries.collect())))
+            Some(Value::Point(point.zip(vector, |a, b| operation.scalars(a, b))))
         }
         (Value::Point(left), Value::Point(right))
             if left.len() == right.len() && operation == Operation::Subtract =>

@@ -62,70 +62,45 @@ impl<'a> Lowering<'a, '_> {
             return self.fail(turbofish, "leave out the types");
         }
         let arguments: Vec<&Expr> = call.args.iter().collect();
-        match (name.as_str(), arguments.as_slice()) {
-            ("map", [Expr::Closure(closure)]) => {
-                let values = self.mapped(values, closure)?;
-                let is_array = matches!(receiver, Value::Array(_));
-                Some(if is_array { Value::Array(values) } else { Value::Iterator(values) })
+        let values: Vec<Value<'a>> = match (receiver, name.as_str(), arguments.as_slice()) {
+            (Value::Array(_), "map", [Expr::Closure(closure)]) => {
+                return self.mapped(values, closure).map(Value::Array);
             }
-            ("map", [other]) => self.fail(other, "`map` takes a closure here, as in `map(|x| …)`"),
-            ("clone", []) => Some(receiver.clone()),
-            ("len", []) => Some(Value::Integer(values.len() as i64)),
-            ("into_iter", []) => Some(Value::Iterator(values.clone())),
-            (name, arguments) => match receiver {
-                Value::Array(_) => self.array_method(call, receiver, values, (name, arguments)),
-                _ => self.iterator_method(call, receiver, values, (name, arguments)),
+            (_, "map", [Expr::Closure(closure)]) => self.mapped(values, closure)?,
+            (_, "map", [other]) => {
+                return self.fail(other, "`map` takes a closure here, as in `map(|x| …)`");
+            }
+            (_, "clone", []) => return Some(receiver.clone()),
+            (_, "len", []) => return Some(Value::Integer(values.len() as i64)),
+            (_, "into_iter", [])
+            | (Value::Array(_), "iter", [])
+            | (Value::Iterator(_), "copied" | "cloned", []) => values.clone(),
+            (Value::Array(_), "windows", [length]) => match self.count(length)? {
+                0 => return self.fail(length, "a window has one element or more"),
+                length => values.windows(length).map(|window| Value::Array(window.to_vec())).collect(),
             },
-        }
-    }
-
-    fn array_method(
-        &mut self,
-        call: &ExprMethodCall,
-        receiver: &Value<'a>,
-        values: &[Value<'a>],
-        method: (&str, &[&Expr]),
-    ) -> Option<Value<'a>> {
-        match method {
-            ("iter", []) => Some(Value::Iterator(values.to_vec())),
-            ("windows", [length]) => match self.count(length)? {
-                0 => self.fail(length, "a window has one element or more"),
-                length => {
-                    let windows = values.windows(length).map(|window| Value::Array(window.to_vec()));
-                    Some(Value::Iterator(windows.collect()))
-                }
-            },
-            _ => self.no_such_method(&call.method, receiver),
-        }
-    }
-
-    fn iterator_method(
-        &mut self,
-        call: &ExprMethodCall,
-        receiver: &Value<'a>,
-        values: &[Value<'a>],
-        method: (&str, &[&Expr]),
-    ) -> Option<Value<'a>> {
-        let values: Vec<Value<'a>> = match method {
-            ("sum", []) => return self.sum(values, call),
-            ("copied" | "cloned", []) => values.to_vec(),
-            ("rev", []) => values.iter().rev().cloned().collect(),
-            ("skip", [count]) => values.iter().skip(self.count(count)?).cloned().collect(),
-            ("take", [count]) => values.iter().take(self.count(count)?).cloned().collect(),
-            ("enumerate", []) => {
+            (Value::Iterator(_), "sum", []) => return self.sum(values, call),
+            (Value::Iterator(_), "rev", []) => values.iter().rev().cloned().collect(),
+            (Value::Iterator(_), "skip", [count]) => {
+                values.iter().skip(self.count(count)?).cloned().collect()
+            }
+            (Value::Iterator(_), "take", [count]) => {
+                values.iter().take(self.count(count)?).cloned().collect()
+            }
+            (Value::Iterator(_), "enumerate", []) => {
                 let pair = |(k, value): (usize, &Value<'a>)| {
                     Value::Tuple(vec![Value::Integer(k as i64), value.clone()])
                 };
                 values.iter().enumerate().map(pair).collect()
             }
-            ("zip", [other]) => match self.lower(other)? {
+            (Value::Iterator(_), "zip", [other]) => match self.lower(other)? {
                 Value::Array(others) | Value::Iterator(others) => {
                     let pairs = values.iter().cloned().zip(others);
                     pairs.map(|(value, other)| Value::Tuple(vec![value, other])).collect()
                 }
                 found => {
-                    let what = found.describe();
-                    let message = format!("`zip` takes an iterator or an array, but this is {what}");
+                    let found = found.describe();
+                    let message = format!("`zip` takes an iterator or an array, but this is {found}");
                     return self.fail(other, message);
                 }
             },
@@ -173,10 +148,8 @@ impl<'a> Lowering<'a, '_> {
         let method = &call.method;
         let Some((first, rest)) = values.split_first() else {
             let zero = call.turbofish.as_ref().and_then(|types| self.zero(types));
-            return match zero.filter(|_| self.iterations > 0) {
-                Some(zero) => Some(zero),
-                None => self.fail(method, "there is nothing to sum: this has no elements"),
-            };
+            let zero = zero.filter(|_| self.iterations > 0);
+            return zero.or_else(|| self.fail(method, "there is nothing to sum: this has no elements"));
         };
         if first.shape().is_none() {
             return self.fail(method, format!("{} cannot be added to another", first.describe()));

@@ -61,9 +61,7 @@ impl<'a> Value<'a> {
             Shape::Vector(n) => Self::Vector(Vector((0..n).map(|i| symbol(component(i, n))).collect())),
             Shape::Matrix(rows, columns) => {
                 let largest = rows.max(columns);
-                let places = (0..rows * columns).map(|k| (k / columns, k % columns));
-                let entries = places.map(|(i, j)| symbol(entry(i, j, largest))).collect();
-                Self::of_matrix(Matrix::new(rows, columns, entries))
+                Self::of_matrix(Matrix::from_fn(rows, columns, |i, j| symbol(entry(i, j, largest))))
             }
         }
     }

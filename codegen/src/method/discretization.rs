@@ -80,31 +80,6 @@ impl<'a> Discretization<'a> {
         }
     }
 
-    /// How the configuration is moved to the intermediate point and on; where `s` is 0 or 1 at once.
-    fn increments(
-        &self,
-        system: &System<'a>,
-        path: &Path<'a>,
-        found: &[(Symbol, Expr<'a>)],
-    ) -> Vec<Increment<'a>> {
-        let start = system.configuration();
-        let increments =
-            [(self.early, self.moving.before, &start), (self.late, self.moving.behind, &path.middle)];
-        let increments = increments.into_iter().filter(|(share, ..)| !share.is_zero());
-        let increment = |(share, retraction, from): (Expr<'a>, Retraction, &Vector<'a>)| Increment {
-            retraction,
-            from: from.substitute(found),
-            by: path.y.scale(share).substitute(found),
-        };
-        increments.map(increment).collect()
-    }
-
-    /// Positive while both parts of the step are inside the retraction's domain, which is that of the longer one.
-    fn domain(&self, system: &System<'a>, path: &Path<'a>) -> Vec<Expr<'a>> {
-        let longer = if self.early.as_number() > self.late.as_number() { self.early } else { self.late };
-        system.group.domain(self.moving.behind, &path.y.scale(longer))
-    }
-
     /// The step from what is left of its equations, the way of the configuration, and the state after it.
     pub(super) fn lifted(
         &self,
@@ -113,8 +88,20 @@ impl<'a> Discretization<'a> {
         path: &Path<'a>,
         next: &Parts<'a>,
     ) -> Step<'a> {
-        let increments = self.increments(system, path, &found);
-        let domain = self.domain(system, path).into_iter();
+        let start = system.configuration();
+        // to the intermediate point and on; where `s` is 0 or 1 at once
+        let increments =
+            [(self.early, self.moving.before, &start), (self.late, self.moving.behind, &path.middle)];
+        let increments = increments.into_iter().filter(|(share, ..)| !share.is_zero());
+        let increment = |(share, retraction, from): (Expr<'a>, Retraction, &Vector<'a>)| Increment {
+            retraction,
+            from: from.substitute(&found),
+            by: path.y.scale(share).substitute(&found),
+        };
+        let increments: Vec<Increment<'a>> = increments.map(increment).collect();
+        // both parts of the step are inside the retraction's domain if the longer one is
+        let longer = if self.early.as_number() > self.late.as_number() { self.early } else { self.late };
+        let domain = system.group.domain(self.moving.behind, &path.y.scale(longer)).into_iter();
         let join =
             |part: for<'e> fn(&'e Equation<'a>) -> &'e Vector<'a>| Vector::concat(equations.iter().map(part));
         let (left, right) = (join(|equation| &equation.left), join(|equation| &equation.right));

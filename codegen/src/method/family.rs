@@ -41,7 +41,7 @@ use super::discretization::{Discretization, Path, Values, bind, values};
 use super::names::{ValueNames, symbols};
 use super::presolve::{Equation, presolve};
 use super::step::Step;
-use crate::expr::{Arena, Expr, Number, Vector, gradient, uncoupled};
+use crate::expr::{Arena, Vector, gradient, uncoupled};
 use crate::group::{Retraction, SemidirectVector};
 use crate::model::{Energy, Factor, Parts, Relation, System};
 use crate::scheme::{Member, Method};
@@ -64,10 +64,6 @@ struct Family<'s, 'a> {
     system: &'s System<'a>,
     map: Discretization<'a>,
     names: ValueNames<'s, 'a>,
-    /// For each factor the number `k` for which its unknown is `y/k`.
-    scales: Vec<Expr<'a>>,
-    /// `1/k`
-    per_scales: Vec<Expr<'a>>,
 }
 
 /// The motion before the energy is known at the intermediate point: functions of `y` alone.
@@ -105,12 +101,7 @@ struct Update<'a> {
 /// The step of a member of the family.
 pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, member: Member) -> Step<'a> {
     let map = Discretization::new(arena, system, retraction, member);
-    let scales = system.group.unknown_scales(retraction);
-    let numbers = scales.iter().map(|&scale| arena.number(Number::ratio(scale, 1)));
-    let numbers: Vec<Expr<'a>> = numbers.collect();
-    let per_scales = numbers.iter().map(|scale| scale.recip()).collect();
-    let names = ValueNames::new(system, scales);
-    let family = Family { system, map, names, scales: numbers, per_scales };
+    let family = Family { system, map, names: ValueNames::new(system, retraction) };
 
     let motion = family.motion();
     let intermediate = family.intermediate(&motion);
@@ -121,28 +112,11 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, m
 }
 
 impl<'a> Family<'_, 'a> {
-    /// Times the unknown's scale.
-    fn times_scale(&self, x: &Vector<'a>) -> Vector<'a> {
-        self.system.group.multiplied(x, &self.scales)
-    }
-
-    /// By the unknown's scale.
-    fn per_scale(&self, x: &Vector<'a>) -> Vector<'a> {
-        self.system.group.multiplied(x, &self.per_scales)
-    }
-
-    /// The same values, kept whole as multiples by the unknown's scale: what is made of the unknown and multiplied by
-    /// it again has that factor.
-    fn keep_multiple(&self, element: &SemidirectVector<'a>) -> SemidirectVector<'a> {
-        let group = &self.system.group;
-        group.all_multiplied(&group.all_multiplied(element, &self.scales).hold(), &self.per_scales)
-    }
-
     fn motion(&self) -> Motion<'a> {
         let Self { system, names, map: Discretization { moving, carrying, early, late, .. }, .. } = self;
         let (arena, group) = (early.arena(), &system.group);
         let (x, mean) = (symbols(arena, names.unknown()), symbols(arena, names.components("mu")));
-        let y = self.times_scale(&x);
+        let y = self.names.times_scale(&x);
         let (y_early, y_late) = (y.scale(*early), y.scale(*late));
 
         let sign = arena.number(system.side.sign());
@@ -189,7 +163,7 @@ impl<'a> Family<'_, 'a> {
         let eta = eta.scale(arena.number(system.side.sign()));
         let (eta_early, eta_late) = (eta.scale(*early), eta.scale(*late));
         let m = system.momentum_and_advected();
-        let mean_minus = self.keep_multiple(&group.d_right_dual(carrying.before, &eta_early, &m));
+        let mean_minus = self.names.keep_multiple(&group.d_right_dual(carrying.before, &eta_early, &m));
         let m_minus = group.carry_momentum(carrying.before, &eta_early, &m, &mean_minus);
         let m_plus = match kick {
             Some(kick) => {
@@ -197,9 +171,9 @@ impl<'a> Family<'_, 'a> {
             }
             None => m_minus,
         };
-        let mean_plus = self.keep_multiple(&group.d_right_dual(carrying.behind, &eta_late, &m_plus));
+        let mean_plus = self.names.keep_multiple(&group.d_right_dual(carrying.behind, &eta_late, &m_plus));
         let m_bar = mean_plus.scale(*late).plus(&mean_minus.scale(*early));
-        let scaled_mean = self.times_scale(&m_bar.base).hold();
+        let scaled_mean = self.names.times_scale(&m_bar.base).hold();
         let m_next = group.carry_momentum(carrying.behind, &eta_late, &m_plus, &mean_plus);
 
         // two increments, one of which is none where s is 0 or 1: only the exponential has τ(sη) τ((1−s)η) = τ(η)
@@ -260,9 +234,14 @@ impl<'a> Family<'_, 'a> {
                 let alone: Vec<Vec<usize>> = (0..system.factors.len()).map(|factor| vec![factor]).collect();
                 let velocity = gradient(*energy, &system.momentum().symbols());
                 let velocity = velocity.substitute(&intermediate.values).scale(self.map.step);
-                let equations =
-                    [self.mean_equation(motion, update), self.velocity_equation(motion, &velocity)];
-                equations.iter().flat_map(|equation| equation.apart(&system.group, &alone)).collect()
+                // `μ̄ = …`, which is an unknown too, and `y = t ∂h/∂μ`
+                let mean = self.names.per_scale(&update.scaled_mean);
+                let mean = self.explicit(&motion.mean, mean, system.momentum());
+                let mean = Equation { names: names.components("mu"), ..mean };
+                let velocity = self.names.per_scale(&velocity);
+                let velocity = self.explicit(&motion.x, velocity, self.names.per_scale(&self.start()));
+                let velocity = Equation { names: names.unknown(), ..velocity };
+                [mean, velocity].iter().flat_map(|equation| equation.apart(&system.group, &alone)).collect()
             }
             _ => {
                 let equation = self.momentum_equation(motion, update, intermediate);
@@ -274,31 +253,16 @@ impl<'a> Family<'_, 'a> {
         }
     }
 
-    /// `μ̄ = …` for a general energy, which has `μ̄` as an unknown.
-    fn mean_equation(&self, motion: &Motion<'a>, update: &Update<'a>) -> Equation<'a> {
-        let mean = self.per_scale(&update.scaled_mean);
+    /// `unknown = right`
+    fn explicit(&self, unknown: &Vector<'a>, right: Vector<'a>, start: Vector<'a>) -> Equation<'a> {
         Equation {
-            unknown: motion.mean.clone(),
+            unknown: unknown.clone(),
             blocks: self.system.group.blocks(),
-            left: motion.mean.clone(),
-            right: mean.clone(),
-            solved: Some(mean),
-            start: self.system.momentum(),
-            names: self.names.components("mu"),
-        }
-    }
-
-    /// `y = t ∂h/∂μ` for a general energy.
-    fn velocity_equation(&self, motion: &Motion<'a>, velocity: &Vector<'a>) -> Equation<'a> {
-        let right = self.per_scale(velocity);
-        Equation {
-            unknown: motion.x.clone(),
-            blocks: self.system.group.blocks(),
-            left: motion.x.clone(),
-            right: right.clone(),
-            solved: Some(right),
-            start: self.per_scale(&self.start()),
-            names: self.names.unknown(),
+            left: unknown.clone(),
+            solved: Some(right.clone()),
+            right,
+            start,
+            names: Vec::new(),
         }
     }
 
@@ -312,17 +276,17 @@ impl<'a> Family<'_, 'a> {
         let right = update.scaled_mean.clone();
         let solved = match &self.system.energy {
             Energy::Mechanical { inertia, .. } => {
-                Some(inertia.solve_symmetric(&self.per_scale(&right)).scale(self.map.step))
+                Some(inertia.solve_symmetric(&self.names.per_scale(&right)).scale(self.map.step))
             }
             _ => None,
         };
         Equation {
             unknown: motion.x.clone(),
             blocks: self.system.group.blocks(),
-            left: self.times_scale(&intermediate.momentum),
-            solved: solved.map(|solved| self.per_scale(&solved)),
+            left: self.names.times_scale(&intermediate.momentum),
+            solved: solved.map(|solved| self.names.per_scale(&solved)),
             right,
-            start: self.per_scale(&self.start()),
+            start: self.names.per_scale(&self.start()),
             names: self.names.unknown(),
         }
     }

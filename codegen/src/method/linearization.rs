@@ -21,7 +21,7 @@
 use super::step::{Increment, Step};
 use crate::expr::{Arena, Derivative, Expr, Stage, Symbol, Vector, gradient};
 use crate::group::Side;
-use crate::model::{Parts, Slot, System};
+use crate::model::{Parts, System};
 use crate::scheme::Derivatives;
 
 /// The perturbation of the next state with all that it depends on: linear in the perturbations, which are symbols.
@@ -46,7 +46,7 @@ pub struct Linearization<'a> {
 impl<'a> Linearization<'a> {
     /// Of a step, by what is wanted.
     pub fn new(arena: &'a Arena, system: &System<'a>, step: &Step<'a>, wanted: Derivatives) -> Self {
-        let state = state_perturbations(arena, system);
+        let state = Vector(system.tangent_names().iter().map(|name| perturbation(arena, name)).collect());
         let controls = system.control_symbols();
         let control = perturbations(arena, &controls);
         // fields may be many: to derive with respect to them takes its time
@@ -88,19 +88,6 @@ fn perturbations<'a>(arena: &'a Arena, symbols: &[Symbol]) -> Vector<'a> {
 
 fn perturbation<'a>(arena: &'a Arena, of: &str) -> Expr<'a> {
     arena.symbol(format!("d_{of}"), Stage::Perturbation)
-}
-
-/// Symbols for the perturbation of the state: of configurations elements of the algebra.
-fn state_perturbations<'a>(arena: &'a Arena, system: &System<'a>) -> Vector<'a> {
-    let of = |slot: Slot| match slot {
-        Slot::Configuration(factor) => {
-            let axes = system.group.factors[factor].group.axes().iter();
-            let names = axes.map(|axis| format!("{}_{axis}", system.factors[factor].name.plain()));
-            names.map(|name| perturbation(arena, &name)).collect()
-        }
-        Slot::Momentum(_) | Slot::Advected { .. } => perturbations(arena, &system.part(slot).symbols()).0,
-    };
-    Vector(system.slots().into_iter().flat_map(of).collect())
 }
 
 /// The perturbation of every symbol of the state, stored coordinates of configurations included.
@@ -185,13 +172,8 @@ impl<'a> Linearization<'a> {
     /// The transpose, by the reverse mode: as many operations as the linearization itself has, or few more.
     pub fn adjoint(&self, arena: &'a Arena) -> Adjoint<'a> {
         let names = self.state.symbols().into_iter().map(|symbol| arena.symbol_info(symbol).name);
-        let next = Vector(
-            names
-                .map(|name| {
-                    arena.symbol(format!("wrt_{}", name.trim_start_matches("d_")), Stage::Perturbation)
-                })
-                .collect(),
-        );
+        let costate = |name: String| format!("wrt_{}", name.trim_start_matches("d_"));
+        let next = Vector(names.map(|name| arena.symbol(costate(name), Stage::Perturbation)).collect());
         let perturbations = [&self.state, &self.control, &self.parameters];
         let symbols: Vec<Symbol> =
             perturbations.iter().flat_map(|perturbation| perturbation.symbols()).collect();

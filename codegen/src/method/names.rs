@@ -1,9 +1,11 @@
 //! What the values of a step are called in generated code.
 
-use crate::expr::{Arena, Expr, Stage, Vector};
+use crate::expr::{Arena, Expr, Number, Stage, Vector};
+use crate::group::{Retraction, SemidirectVector};
 use crate::model::{Factor, System};
 
-/// The names of a step's values. Each function gives its argument names and returns it.
+/// The names of a step's values, and the scale of its unknown, which some are called by. Functions that name something
+/// return it.
 pub(super) struct ValueNames<'s, 'a> {
     system: &'s System<'a>,
     /// For each factor the number `k` for which its unknown is `η/k`.
@@ -29,8 +31,31 @@ fn multiple(scale: i128) -> &'static str {
 }
 
 impl<'s, 'a> ValueNames<'s, 'a> {
-    pub(super) fn new(system: &'s System<'a>, scales: Vec<i128>) -> Self {
-        Self { system, scales }
+    pub(super) fn new(system: &'s System<'a>, retraction: Retraction) -> Self {
+        Self { system, scales: system.group.unknown_scales(retraction) }
+    }
+
+    /// For each factor `k` to this power.
+    fn multiples(&self, power: i32) -> Vec<Expr<'a>> {
+        let number = |&scale: &i128| self.system.time.arena().number(Number::ratio(scale, 1).powi(power));
+        self.scales.iter().map(number).collect()
+    }
+
+    /// Times the unknown's scale: `y` from the unknown.
+    pub(super) fn times_scale(&self, x: &Vector<'a>) -> Vector<'a> {
+        self.system.group.multiplied(x, &self.multiples(1))
+    }
+
+    /// By the unknown's scale.
+    pub(super) fn per_scale(&self, y: &Vector<'a>) -> Vector<'a> {
+        self.system.group.multiplied(y, &self.multiples(-1))
+    }
+
+    /// The same values, kept whole as multiples by the unknown's scale: what is made of the unknown and multiplied by
+    /// it again has that factor.
+    pub(super) fn keep_multiple(&self, element: &SemidirectVector<'a>) -> SemidirectVector<'a> {
+        let group = &self.system.group;
+        group.all_multiplied(&group.all_multiplied(element, &self.multiples(1)).hold(), &self.multiples(-1))
     }
 
     /// The prefix that tells a factor's values from those of the others, where there are others.

@@ -21,7 +21,7 @@ use super::discretization::{Discretization, Path, Values, bind, values};
 use super::names::{ValueNames, symbols};
 use super::presolve::{Equation, presolve};
 use super::step::Step;
-use crate::expr::{Arena, Derivative, Expr, Number, Vector, gradient};
+use crate::expr::{Arena, Derivative, Expr, Vector, gradient};
 use crate::group::{Retraction, SemidirectVector, Side};
 use crate::model::{Energy, Parts, Relation, System};
 use crate::scheme::{Member, Method};
@@ -40,8 +40,6 @@ struct Lift<'s, 'a> {
     system: &'s System<'a>,
     map: Discretization<'a>,
     names: ValueNames<'s, 'a>,
-    /// For each factor `1/k`, where its unknown is `y/k`.
-    per_scales: Vec<Expr<'a>>,
 }
 
 /// Where the system is on its way.
@@ -63,9 +61,7 @@ struct Node<'a> {
 /// The step of a member of the family of lifts.
 pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, member: Member) -> Step<'a> {
     let map = Discretization::new(arena, system, retraction, member);
-    let scales = system.group.unknown_scales(retraction);
-    let per_scales = scales.iter().map(|&scale| arena.number(Number::ratio(1, scale))).collect();
-    let lift = Lift { system, map, names: ValueNames::new(system, scales), per_scales };
+    let lift = Lift { system, map, names: ValueNames::new(system, retraction) };
     let motion = lift.motion();
     let mut equations = Vec::new();
     let velocity = lift.velocity(&mut equations);
@@ -82,8 +78,7 @@ impl<'a> Lift<'_, 'a> {
         let Self { system, names, map: Discretization { moving, carrying, early, late, .. }, .. } = self;
         let (arena, group) = (early.arena(), &system.group);
         let x = symbols(arena, names.unknown());
-        let scales: Vec<Expr<'a>> = self.per_scales.iter().map(|scale| scale.recip()).collect();
-        let y = group.multiplied(&x, &scales);
+        let y = names.times_scale(&x);
         let (y_early, y_late) = (y.scale(*early), y.scale(*late));
         let increment = group.retract(moving.before, &y_early).hold();
         let middle = group.compose(system.side, &system.configuration(), &increment).hold();
@@ -94,11 +89,6 @@ impl<'a> Lift<'_, 'a> {
         let nodes =
             [Node { configuration: middle, advected }, Node { configuration: end, advected: advected_next }];
         Motion { x, y, nodes }
-    }
-
-    /// `y/k` for each factor.
-    fn per_scale(&self, y: &Vector<'a>) -> Vector<'a> {
-        self.system.group.multiplied(y, &self.per_scales)
     }
 
     /// An equation that holds no closed form, for each factor: `left = right`.
@@ -191,12 +181,12 @@ impl<'a> Lift<'_, 'a> {
         let Discretization { step, early, .. } = self.map;
         let back = motion.y.scale(-early);
         let right = velocity + &self.carried(&back, kick).scale(early);
-        let right = self.per_scale(&right.scale(step));
+        let right = self.names.per_scale(&right.scale(step));
         let start = match self.system.velocity_relation() {
-            Relation::Explicit(_) => self.per_scale(&velocity.scale(step)),
+            Relation::Explicit(_) => self.names.per_scale(&velocity.scale(step)),
             _ => Vector::zeros(step.arena(), right.len()),
         };
-        let left = self.per_scale(&self.turned(&back, &motion.y));
+        let left = self.names.per_scale(&self.turned(&back, &motion.y));
         Equation {
             solved: (left == motion.x).then(|| right.clone()),
             left,

@@ -2,11 +2,10 @@
 
 use std::ops::Range;
 
-use super::{Factor, System};
+use super::{Factor, System, parts};
 use crate::expr::{Expr, Number, Vector};
 use crate::group::casimirs::{Polynomial, casimirs_of};
-use crate::group::{Group, Semidirect, consecutive, part_name};
-use crate::identifiers::plain;
+use crate::group::{Group, Semidirect, consecutive};
 
 /// What a system's bracket keeps.
 #[derive(Clone, Default)]
@@ -64,34 +63,25 @@ fn of_factor<'a>(factor: &Factor<'a>, algebra: &Semidirect, is_moved: bool) -> C
 /// The parts of a factor's momentum.
 fn momenta<'a>(factor: &Factor<'a>, group: &dyn Group) -> Vec<Block<'a>> {
     let name = &factor.momentum_name;
-    let whole = plain(&name.ident);
-    let parts: Vec<(String, usize)> = match group.names().parts {
-        [] => vec![(name.plain(), group.dimension())],
-        parts => {
-            let names = parts.iter().map(|part| name.with(&part_name(&whole, part)));
-            names.zip(group.blocks()).collect()
-        }
-    };
-    let rows = consecutive(parts.iter().map(|&(_, length)| length));
-    let block = |((name, _), rows): ((String, usize), Range<usize>)| Block {
+    let block = |name, rows: Range<usize>| Block {
         name,
         axes: group.axes()[rows.clone()].to_vec(),
         value: factor.momentum.part(rows),
     };
-    parts.into_iter().zip(rows).map(block).collect()
+    match parts(group, &name.ident) {
+        parts if parts.is_empty() => vec![block(name.plain(), 0..group.dimension())],
+        parts => parts.into_iter().map(|part| block(name.with(&part.momentum), part.rows)).collect(),
+    }
 }
 
 /// A polynomial of the components of these blocks: an inner product of two of them, or its terms.
 fn named<'a>(polynomial: &Polynomial, blocks: &[Block<'a>]) -> (String, Expr<'a>) {
     let inner = (0..blocks.len()).flat_map(|i| (i..blocks.len()).map(move |j| (i, j)));
-    let starts: Vec<usize> = blocks
-        .iter()
-        .scan(0, |next, block| Some(std::mem::replace(next, *next + block.value.len())))
-        .collect();
+    let rows = consecutive(blocks.iter().map(|block| block.value.len()));
     for (i, j) in inner {
         let (a, b) = (&blocks[i], &blocks[j]);
         let length = a.value.len();
-        let product = (0..length).map(|k| (vec![starts[i] + k, starts[j] + k], 1));
+        let product = (0..length).map(|k| (vec![rows[i].start + k, rows[j].start + k], 1));
         if length > 1 && length == b.value.len() && *polynomial == product.collect::<Polynomial>() {
             let name = if i == j { format!("|{}|²", a.name) } else { format!("{}·{}", a.name, b.name) };
             return (name, a.value.dot(&b.value));
@@ -135,12 +125,7 @@ fn term<'a>(monomial: &[usize], coefficient: i64, components: &[(String, Expr<'a
         let exponent = rest.iter().take_while(|&&variable| variable == first).count();
         rest = &rest[exponent..];
         let (name, component) = &components[first];
-        let power = match exponent {
-            1 => String::new(),
-            2 => "²".to_owned(),
-            3 => "³".to_owned(),
-            _ => "⁴".to_owned(),
-        };
+        let power = ["", "²", "³", "⁴"][exponent.min(4) - 1];
         factors.push(format!("{name}{power}"));
         (0..exponent).for_each(|_| value = value * *component);
     }

@@ -37,14 +37,6 @@ impl<'a> Relation<'a> {
             Self::Singular => None,
         }
     }
-
-    /// The closed form; if there is none, the symbols that stand for it.
-    fn or(self, symbols: Vector<'a>) -> Vector<'a> {
-        match self {
-            Self::Explicit(value) => value,
-            Self::Implicit(_) | Self::Singular => symbols,
-        }
-    }
 }
 
 impl<'a> System<'a> {
@@ -71,7 +63,10 @@ impl<'a> System<'a> {
     /// The velocity at the state in closed form; if there is none, its symbols, which something else has to give a
     /// value to.
     pub fn velocity(&self) -> Vector<'a> {
-        self.velocity_relation().clone().or(self.velocity_symbols())
+        match self.velocity_relation() {
+            Relation::Explicit(value) => value.clone(),
+            Relation::Implicit(_) | Relation::Singular => self.velocity_symbols(),
+        }
     }
 
     /// The momentum that belongs to the velocity's symbols, where configuration and advected parameters are those of

@@ -6,7 +6,7 @@ mod layout;
 mod legendre;
 mod part;
 
-pub(crate) use build::{NamedPart, parts};
+pub(crate) use build::parts;
 
 use std::cell::OnceCell;
 
@@ -23,7 +23,7 @@ use crate::group::{Product, SemidirectVector, Side};
 use crate::identifiers::velocity_name;
 use crate::language::Constant;
 pub use crate::parse::EnergyKey;
-use crate::quantity::{ScalarType, Shape};
+use crate::quantity::ScalarType;
 
 /// A mechanical system on the cotangent bundle of a product of groups, reduced where its Hamiltonian is left-invariant.
 ///
@@ -40,7 +40,7 @@ pub struct System<'a> {
     /// The factors of the group, with their symbols.
     pub factors: Vec<Factor<'a>>,
     /// The struct's fields, each element of an array by itself.
-    pub parameters: Vec<Parameter>,
+    pub parameters: Vec<Part<'a>>,
     /// Constants of the user's own code that expressions name; parameters too, after the fields.
     pub constants: Vec<Constant<'a>>,
     /// The controls, held over a step.
@@ -55,8 +55,8 @@ pub struct System<'a> {
     pub inertias: Vec<InertiaField<'a>>,
     /// The user's expressions.
     pub sources: Sources,
-    /// The units of state and controls, by the names of their fields.
-    pub units: Vec<(String, String)>,
+    /// The units of the state, by the names of its fields.
+    units: Vec<(String, String)>,
     /// The advected parameters as factor and place in it, in the order declared.
     advected: Vec<(usize, usize)>,
     /// The change of the momentum beside the bracket, once it has been worked out.
@@ -150,30 +150,6 @@ pub struct ForceSource {
     pub form: Option<ForceForm>,
 }
 
-/// A field of the struct, or an element of one that is an array.
-#[derive(Clone)]
-pub struct Parameter {
-    /// Its name.
-    pub name: Name,
-    /// Its shape.
-    pub shape: Shape,
-    /// Its unit, if the user says one.
-    pub unit: Option<String>,
-    /// The first line of its documentation.
-    pub doc: String,
-    /// Its components' symbols.
-    pub symbols: Vec<Symbol>,
-    /// The components' full names.
-    names: Vec<String>,
-}
-
-impl Parameter {
-    /// Suffixes of the components' names.
-    pub fn suffixes(&self) -> Vec<String> {
-        suffixes(&self.name, &self.names)
-    }
-}
-
 /// A field marked `#[inertia]`, or an element of one.
 #[derive(Clone)]
 pub struct InertiaField<'a> {
@@ -264,15 +240,9 @@ impl<'a> System<'a> {
             Energy::Mechanical { inertia, potential } => (inertia, *potential),
         };
         let (l, d) = inertia.ldl();
-        let mut y = self.momentum().0;
-        let mut kinetic = potential.arena().zero();
-        for i in 0..y.len() {
-            for k in 0..i {
-                y[i] = y[i] - l.at(i, k) * y[k];
-            }
-            kinetic = kinetic + y[i] * y[i] / d.0[i];
-        }
-        kinetic / 2 + potential
+        let y = l.substituted(&self.momentum());
+        let squares = y.iter().zip(d.iter()).map(|(y, d)| y * y / d);
+        squares.fold(potential.arena().zero(), |sum, square| sum + square) / 2 + potential
     }
 
     /// A function with the energy's derivatives by configuration, advected parameters and time: the potential, all of a
@@ -336,10 +306,4 @@ impl<'a> System<'a> {
     pub fn is_left_invariant(&self) -> bool {
         self.is_autonomous() && !self.potential().depends_on(&self.configuration().symbols())
     }
-}
-
-/// Suffixes that components' names add to that of their whole.
-fn suffixes(whole: &Name, components: &[String]) -> Vec<String> {
-    let prefix = format!("{}_", whole.plain());
-    components.iter().map(|name| name.strip_prefix(&prefix).unwrap_or_default().to_owned()).collect()
 }

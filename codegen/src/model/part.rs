@@ -1,11 +1,12 @@
-//! The parts of the state, and the controls, as fields of generated structs.
+//! Parameters, the parts of the state, and controls, as fields of structs.
 
-use super::{Advected, Factor, Name, Slot, System};
+use super::{Advected, Name, Slot, System};
 use crate::expr::{Symbol, Vector};
-use crate::group::{Group, Representation, Side};
+use crate::group::Side;
+use crate::identifiers::plain;
 use crate::quantity::{Kind, Role};
 
-/// A part of the state, or a control: one field of a generated struct, or an element of one.
+/// A parameter, a part of the state, or a control: one field of a struct, or an element of one.
 #[derive(Clone)]
 pub struct Part<'a> {
     /// Its role in the system.
@@ -20,6 +21,8 @@ pub struct Part<'a> {
     pub symbols: Vec<Symbol>,
     /// Its components.
     pub value: Vector<'a>,
+    /// Its unit, if the user says one.
+    pub unit: Option<String>,
     /// The first line of its documentation.
     pub doc: String,
 }
@@ -27,70 +30,59 @@ pub struct Part<'a> {
 impl<'a> System<'a> {
     /// The parts of the state in the order of storage.
     pub fn parts(&self) -> Vec<Part<'a>> {
-        let part = |slot| match slot {
-            Slot::Configuration(factor) => {
-                self.factors[factor].configuration_part(self.group.factors[factor].group)
+        self.slots().into_iter().map(|slot| self.state_part(slot)).collect()
+    }
+
+    fn state_part(&self, slot: Slot) -> Part<'a> {
+        let (Slot::Configuration(factor) | Slot::Momentum(factor) | Slot::Advected { factor, .. }) = slot;
+        let (group, factor) = (self.group.factors[factor].group, &self.factors[factor]);
+        let (role, name, kind, doc) = match slot {
+            Slot::Configuration(_) => {
+                let doc = if group.is_linear() { "Position." } else { "From body to space coordinates." };
+                (Role::Configuration, &factor.name, group.names().kind, doc.to_owned())
             }
-            Slot::Momentum(factor) => {
-                self.factors[factor].momentum_part(self.group.factors[factor].group, self.side)
+            Slot::Momentum(_) => {
+                let doc = match group.is_linear() {
+                    true => "Momentum.".to_owned(),
+                    false => format!("Momentum, {}.", self.side.coordinates()),
+                };
+                (Role::Momentum, &factor.momentum_name, Kind::Vector(group.dimension()), doc)
             }
-            Slot::Advected { factor, place } => {
-                self.factors[factor].advected[place].part(self.group.factors[factor].spaces[place], self.side)
+            Slot::Advected { place, .. } => {
+                let seen = match self.side {
+                    Side::Left => "fixed in space, seen in body coordinates",
+                    Side::Right => "fixed in the body, seen in space",
+                };
+                let Advected { name, value } = &factor.advected[place];
+                let doc = format!("Advected parameter `{}`, {seen}.", name.ident);
+                (Role::Advected, name, Kind::Vector(value.len()), doc)
             }
         };
-        self.slots().into_iter().map(part).collect()
-    }
-}
-
-impl<'a> Factor<'a> {
-    fn configuration_part(&self, group: &dyn Group) -> Part<'a> {
-        let doc = if group.is_linear() { "Position." } else { "From body to space coordinates." };
-        Part {
-            role: Role::Configuration,
-            name: self.name.clone(),
-            kind: group.names().kind,
-            suffixes: owned(group.coordinates()),
-            symbols: self.configuration.symbols(),
-            value: self.configuration.clone(),
-            doc: doc.to_owned(),
-        }
-    }
-
-    fn momentum_part(&self, group: &dyn Group, side: Side) -> Part<'a> {
-        Part {
-            role: Role::Momentum,
-            name: self.momentum_name.clone(),
-            kind: Kind::Vector(group.dimension()),
-            suffixes: owned(group.axes()),
-            symbols: self.momentum.symbols(),
-            value: self.momentum.clone(),
-            doc: if group.is_linear() {
-                "Momentum.".to_owned()
-            } else {
-                format!("Momentum, {}.", side.coordinates())
-            },
-        }
-    }
-}
-
-impl<'a> Advected<'a> {
-    fn part(&self, space: &dyn Representation, side: Side) -> Part<'a> {
-        let seen = match side {
-            Side::Left => "fixed in space, seen in body coordinates",
-            Side::Right => "fixed in the body, seen in space",
+        let suffixes = match slot {
+            Slot::Configuration(_) => group.coordinates(),
+            _ => self.axes(slot),
         };
-        Part {
-            role: Role::Advected,
-            name: self.name.clone(),
-            kind: Kind::Vector(space.coordinates().len()),
-            suffixes: owned(space.coordinates()),
-            symbols: self.value.symbols(),
-            value: self.value.clone(),
-            doc: format!("Advected parameter `{}`, {seen}.", self.name.ident),
+        let (value, suffixes) = (self.part(slot).clone(), suffixes.iter().map(|&one| one.to_owned()));
+        let (name, symbols) = (name.clone(), value.symbols());
+        let whole = plain(&name.ident);
+        let unit = self.units.iter().find(|(of, _)| *of == whole).map(|(_, unit)| unit.clone());
+        Part { role, name, kind, suffixes: suffixes.collect(), symbols, value, unit, doc }
+    }
+
+    /// Suffixes of the components of a tangent vector's part: those of the algebra for a configuration.
+    fn axes(&self, slot: Slot) -> &'static [&'static str] {
+        match slot {
+            Slot::Configuration(factor) | Slot::Momentum(factor) => self.group.factors[factor].group.axes(),
+            Slot::Advected { factor, place } => self.group.factors[factor].spaces[place].coordinates(),
         }
     }
-}
 
-fn owned(suffixes: &[&str]) -> Vec<String> {
-    suffixes.iter().map(|&suffix| suffix.to_owned()).collect()
+    /// The names of a tangent vector's components in the order of storage, part and axis: `attitude_x`.
+    pub fn tangent_names(&self) -> Vec<String> {
+        let of = |slot| {
+            let name = self.state_part(slot).name.plain();
+            self.axes(slot).iter().map(move |axis| format!("{name}_{axis}"))
+        };
+        self.slots().into_iter().flat_map(of).collect()
+    }
 }

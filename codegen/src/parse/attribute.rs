@@ -6,20 +6,19 @@ use proc_macro2::{TokenStream, TokenTree};
 use quote::ToTokens;
 use syn::ext::IdentExt;
 use syn::parse::discouraged::Speculative;
-use syn::parse::{ParseStream, Parser};
+use syn::parse::{Parse, ParseStream, Parser};
 use syn::{Ident, LitInt, LitStr, Token, bracketed, parenthesized, token};
 
 use super::factor::FactorName;
-use super::group::{Group, Space, declared_name, group, space};
+use super::group::{Group, Space, declared_name, first_word, group, space};
 use super::key::{EnergyKey, Key};
 use super::nesting;
 use super::shape;
-use crate::diagnostics::{Diagnostics, list, nearest, suggestion};
+use crate::diagnostics::{Diagnostics, Explained, list, nearest, suggestion};
 use crate::group::Retraction;
 use crate::limits;
 use crate::quantity::{ScalarType, Shape};
-use crate::scheme::Derivatives;
-use crate::scheme::{Member, Method, Rule};
+use crate::scheme::{Derivatives, Member, Method, Rule};
 
 /// What the attribute says. Problems were reported where they were found, and what they concern is left out.
 #[derive(Debug, Default)]
@@ -178,187 +177,267 @@ impl Attribute {
     }
 
     /// One `key = value` or `key(…)`, with the comma after it. Always consumes something.
-    fn entry(
-        &mut self,
-        input: ParseStream<'_>,
-        known_methods: &[&'static Method],
-        diagnostics: &mut Diagnostics,
-    ) {
-        let key = match Ident::parse_any(input) {
-            Ok(key) => key,
+    fn entry(&mut self, input: ParseStream<'_>, methods: &[&'static Method], diagnostics: &mut Diagnostics) {
+        let word = match Ident::parse_any(input) {
+            Ok(word) => word,
             Err(error) => {
-                diagnostics
-                    .push_at(error.span(), format!("expected a key, such as `{}`", Key::Group.example()));
-                skip_entry(input);
-                return;
+                let message = format!("expected a key, such as `{}`", Key::Group.example());
+                diagnostics.push_at(error.span(), message);
+                return skip_entry(input);
             }
         };
-        let name = key.to_string();
+        let name = word.to_string();
         let names: Vec<&str> = Key::all().map(Key::name).collect();
         // a slip is read as what it is a slip of: nothing that it declares is missed elsewhere
         let meant = nearest(&name, &names).and_then(|name| Key::all().find(|known| known.name() == name));
         let is_slip = meant.is_none_or(|known| known.name() != name);
         if is_slip {
-            diagnostics.push(&key, format!("there is no key `{name}`{}", suggestion(&name, &names)));
+            diagnostics.push(&word, format!("there is no key `{name}`{}", suggestion(&name, &names)));
         }
-        let Some(known) = meant else {
-            skip_entry(input);
-            return;
-        };
-        let again = self.given.contains(&known) || is_slip && self.has(known);
+        let Some(key) = meant else { return skip_entry(input) };
+        let again = self.given.contains(&key) || is_slip && self.has(key);
         if again && !is_slip {
-            diagnostics.push(&key, format!("`{name}` is given twice; keep one of them"));
+            diagnostics.push(&word, format!("`{name}` is given twice; keep one of them"));
         }
-        if is_slip { &mut self.slips } else { &mut self.given }.push(known);
+        if is_slip { &mut self.slips } else { &mut self.given }.push(key);
         // a second value is read all the same, for the sake of problems in it
         let mut ignored = Self::default();
         let target = if again { &mut ignored } else { self };
         let value = input.fork();
-        let read = match known {
-            Key::Group => factors(&value, &key, diagnostics, &mut target.unreadable)
-                .map(|factors| target.factors = factors),
-            Key::Advected => {
-                let name = |advected: &Advected| Some(advected.name.clone());
-                entries(&value, (&key, known), diagnostics, &mut target.unreadable, advected, name)
-                    .map(|list| target.advected = list)
-            }
-            Key::Energy(energy) => equals(&value, known, diagnostics)
-                .map(|value| target.energies.extend(value.map(|value| (energy, value)))),
-            Key::Control => {
-                let name = |control: &Control| Some(control.name.clone());
-                entries(&value, (&key, known), diagnostics, &mut target.unreadable, control, name)
-                    .map(|list| target.controls = list)
-            }
-            Key::Force => forces(&value, &key, diagnostics).map(|forces| target.forces = forces),
-            Key::Invariance => invariance(&value, diagnostics).map(|right| target.right = right),
-            Key::Methods => {
-                methods(&value, &key, known_methods, diagnostics).map(|methods| target.methods = methods)
-            }
-            Key::Retractions => retractions(&value, &key, diagnostics).map(|list| target.retractions = list),
-            Key::Derivatives => {
-                derivatives(&value, &key, diagnostics).map(|wanted| target.derivatives = wanted)
-            }
-            Key::Units => {
-                let name = |unit: &Unit| Some(unit.name.clone());
-                entries(&value, (&key, known), diagnostics, &mut Vec::new(), unit, name)
-                    .map(|list| target.units = list)
-            }
-            Key::Crate => crate_path(&value, diagnostics).map(|path| target.krate = path),
-        };
+        let mut reader = Reader { word: &word, key, diagnostics, unreadable: Vec::new() };
+        let read = target.value(&value, methods, &mut reader);
+        if let Key::Group | Key::Advected | Key::Control = key {
+            target.unreadable.append(&mut reader.unreadable);
+        }
         finish_entry(input, &value, read, diagnostics);
     }
-}
 
-/// `(Cayley)`
-fn retractions(
-    input: ParseStream<'_>,
-    key: &Ident,
-    diagnostics: &mut Diagnostics,
-) -> syn::Result<Vec<Retraction>> {
-    let retraction = |input: ParseStream<'_>| {
-        let name: Ident = input
-            .parse()
-            .map_err(|error| syn::Error::new(error.span(), "expected a retraction, such as `Cayley`"))?;
-        let known = Retraction::ALL.into_iter().find(|retraction| name == retraction.name());
-        known.map(|retraction| (name.clone(), retraction)).ok_or_else(|| {
-            let names = Retraction::ALL.map(Retraction::name);
-            let guess = suggestion(&name.to_string(), &names);
-            syn::Error::new_spanned(&name, format!("there is no retraction `{name}`{guess}"))
-        })
-    };
-    let name = |(name, _): &(Ident, Retraction)| Some(name.clone());
-    let named = entries(input, (key, Key::Retractions), diagnostics, &mut Vec::new(), retraction, name)?;
-    // in the order in which they always come
-    let is_named = |retraction: &Retraction| named.iter().any(|(_, known)| known == retraction);
-    Ok(Retraction::ALL.into_iter().filter(is_named).collect())
-}
-
-/// Nothing, for all of them, or `(state, controls, …)`
-fn derivatives(
-    input: ParseStream<'_>,
-    key: &Ident,
-    diagnostics: &mut Diagnostics,
-) -> syn::Result<Derivatives> {
-    if input.peek(Token![=]) {
-        return Err(
-            input.error(format!("write `{}`, or `{key}` alone for all of them", Key::Derivatives.example()))
-        );
-    }
-    if !input.peek(token::Paren) {
-        // or a forgotten comma, which is noticed elsewhere
-        return Ok(Derivatives::ALL);
-    }
-    const NAMES: [&str; 5] = ["state", "controls", "parameters", "tangent", "adjoint"];
-    let name = |input: ParseStream<'_>| {
-        let name: Ident = input.parse().map_err(|error| {
-            syn::Error::new(error.span(), "expected what the derivatives are by, such as `state`")
-        })?;
-        if NAMES.iter().any(|known| name == known) {
-            return Ok(name);
+    /// Reads the value of a key.
+    fn value(
+        &mut self,
+        input: ParseStream<'_>,
+        methods: &[&'static Method],
+        reader: &mut Reader<'_>,
+    ) -> syn::Result<()> {
+        match reader.key {
+            Key::Group => self.factors = reader.factors(input)?,
+            Key::Advected => self.advected = reader.entries(input, advected, |it| Some(&it.name))?,
+            Key::Energy(energy) => {
+                self.energies.extend(reader.equals(input, Parse::parse)?.map(|value| (energy, value)));
+            }
+            Key::Control => self.controls = reader.entries(input, control, |it| Some(&it.name))?,
+            Key::Force => self.forces = reader.forces(input)?,
+            Key::Invariance => self.right = reader.invariance(input)?,
+            Key::Methods => self.methods = reader.methods(input, methods)?,
+            Key::Retractions => self.retractions = reader.retractions(input)?,
+            Key::Derivatives => self.derivatives = reader.derivatives(input)?,
+            Key::Units => self.units = reader.entries(input, unit, |it| Some(&it.name))?,
+            Key::Crate => self.krate = reader.crate_path(input)?,
         }
-        let guess = suggestion(&name.to_string(), &NAMES);
-        Err(syn::Error::new_spanned(&name, format!("there are no derivatives `{name}`{guess}")))
-    };
-    let of = |name: &Ident| Some(name.clone());
-    let named = entries(input, (key, Key::Derivatives), diagnostics, &mut Vec::new(), name, of)?;
-    let is_named = |name: &str| named.iter().any(|known| known == name);
-    let [state, controls, parameters, tangent, adjoint] = NAMES.map(is_named);
-    // the derivatives of composed steps by anything lead through the states between
-    let state = state || controls || parameters;
-    Ok(Derivatives { state, controls, parameters, tangent, adjoint })
+        Ok(())
+    }
 }
 
-/// `= value`. `None` where the value is missing, which is reported.
-fn equals<T: syn::parse::Parse>(
-    input: ParseStream<'_>,
+/// Reads the value of one key.
+struct Reader<'r> {
+    /// The key as it is written.
+    word: &'r Ident,
     key: Key,
-    diagnostics: &mut Diagnostics,
-) -> syn::Result<Option<T>> {
-    if !input.peek(Token![=]) || input.peek(Token![==]) {
-        return Err(input.error(format!("expected `=`; write `{}`", key.example())));
-    }
-    let sign: Token![=] = input.parse()?;
-    if input.is_empty() || input.peek(Token![,]) {
-        diagnostics.push(sign, format!("`{}` has no value; write `{}`", key.name(), key.example()));
-        return Ok(None);
-    }
-    input.parse().map(Some)
+    diagnostics: &'r mut Diagnostics,
+    /// The names of entries that could not be read.
+    unreadable: Vec<(Key, Ident)>,
 }
 
-/// `= SO3` or `(attitude: SO3, position: R3)`
-fn factors(
-    input: ParseStream<'_>,
-    key: &Ident,
-    diagnostics: &mut Diagnostics,
-    unreadable: &mut Vec<(Key, Ident)>,
-) -> syn::Result<Vec<Factor>> {
-    if input.peek(token::Paren) {
-        let name = |factor: &Factor| factor.name.clone();
-        return entries(input, (key, Key::Group), diagnostics, unreadable, factor, name);
+impl Reader<'_> {
+    /// `= value`. `None` where the value is missing, which is reported.
+    fn equals<T>(
+        &mut self,
+        input: ParseStream<'_>,
+        parse: impl FnOnce(ParseStream<'_>) -> syn::Result<T>,
+    ) -> syn::Result<Option<T>> {
+        let (name, example) = (self.key.name(), self.key.example());
+        if !input.peek(Token![=]) || input.peek(Token![==]) {
+            return Err(input.error(format!("expected `=`; write `{example}`")));
+        }
+        let sign: Token![=] = input.parse()?;
+        if input.is_empty() || input.peek(Token![,]) {
+            self.diagnostics.push(sign, format!("`{name}` has no value; write `{example}`"));
+            return Ok(None);
+        }
+        parse(input).map(Some)
     }
-    if input.peek(Token![=]) && input.peek2(token::Bracket) {
-        let message = "an array of factors has a name; write `group(spins: [SO3; 4])`";
-        return Err(syn::Error::new_spanned(key, message));
+
+    /// Entries between parentheses, of which no two have the same name.
+    fn entries<T, N: PartialEq + ToTokens + Display>(
+        &mut self,
+        input: ParseStream<'_>,
+        parse: impl Fn(ParseStream<'_>) -> syn::Result<T>,
+        name: impl Fn(&T) -> Option<&N>,
+    ) -> syn::Result<Vec<T>> {
+        let (word, key) = (self.key.name(), self.key);
+        if !input.peek(token::Paren) {
+            let missing = input.is_empty() || input.peek(Token![,]);
+            let place = if missing { self.word.span() } else { input.span() };
+            let message = format!("expected parentheses; write `{}`", key.example());
+            return Err(syn::Error::new(place, message));
+        }
+        let content;
+        parenthesized!(content in input);
+        if content.is_empty() {
+            self.diagnostics.push(self.word, format!("`{word}` names nothing; write `{}`", key.example()));
+        }
+        let mut list: Vec<T> = Vec::new();
+        while !content.is_empty() {
+            let ahead = content.fork();
+            let read = parse(&ahead).map(|entry| match name(&entry) {
+                Some(this) if list.iter().any(|earlier| name(earlier) == Some(this)) => {
+                    self.diagnostics.push(this, format!("`{this}` is named twice in `{word}`"));
+                }
+                _ => list.push(entry),
+            });
+            if read.is_err() {
+                self.unreadable.extend(content.fork().parse::<Ident>().map(|name| (key, name)));
+            }
+            finish_entry(&content, &ahead, read, self.diagnostics);
+        }
+        Ok(list)
     }
-    let name: Option<FirstWord> =
-        equals(input, Key::Group, diagnostics).map_err(|error| with_example(error, Key::Group))?;
-    let Some(FirstWord(name)) = name else { return Ok(Vec::new()) };
-    Ok(vec![Factor { name: None, group: group(input, name)?, length: None }])
+
+    /// Some of these words between parentheses; what is `expected`, and how a message begins that says what there is
+    /// not.
+    fn words(
+        &mut self,
+        input: ParseStream<'_>,
+        known: &[&str],
+        [expected, there_is_no]: [&str; 2],
+    ) -> syn::Result<Vec<Ident>> {
+        let word = |input: ParseStream<'_>| {
+            let name: Ident = input.parse().explained(expected)?;
+            if known.iter().any(|known| name == known) {
+                return Ok(name);
+            }
+            let guess = suggestion(&name.to_string(), known);
+            Err(syn::Error::new_spanned(&name, format!("{there_is_no} `{name}`{guess}")))
+        };
+        self.entries(input, word, |name| Some(name))
+    }
+
+    /// `(Cayley)`
+    fn retractions(&mut self, input: ParseStream<'_>) -> syn::Result<Vec<Retraction>> {
+        let messages = ["expected a retraction, such as `Cayley`", "there is no retraction"];
+        let named = self.words(input, &Retraction::ALL.map(Retraction::name), messages)?;
+        // in the order in which they always come
+        let is_named = |retraction: &Retraction| named.iter().any(|name| name == retraction.name());
+        Ok(Retraction::ALL.into_iter().filter(is_named).collect())
+    }
+
+    /// Nothing, for all of them, or `(state, controls, …)`
+    fn derivatives(&mut self, input: ParseStream<'_>) -> syn::Result<Derivatives> {
+        if input.peek(Token![=]) {
+            let (example, word) = (self.key.example(), self.word);
+            return Err(input.error(format!("write `{example}`, or `{word}` alone for all of them")));
+        }
+        if !input.peek(token::Paren) {
+            // or a forgotten comma, which is noticed elsewhere
+            return Ok(Derivatives::ALL);
+        }
+        const NAMES: [&str; 5] = ["state", "controls", "parameters", "tangent", "adjoint"];
+        let messages = ["expected what the derivatives are by, such as `state`", "there are no derivatives"];
+        let named = self.words(input, &NAMES, messages)?;
+        let [state, controls, parameters, tangent, adjoint] =
+            NAMES.map(|name| named.iter().any(|known| known == name));
+        // the derivatives of composed steps by anything lead through the states between
+        let state = state || controls || parameters;
+        Ok(Derivatives { state, controls, parameters, tangent, adjoint })
+    }
+
+    /// `= SO3` or `(attitude: SO3, position: R3)`
+    fn factors(&mut self, input: ParseStream<'_>) -> syn::Result<Vec<Factor>> {
+        if input.peek(token::Paren) {
+            return self.entries(input, factor, |factor| factor.name.as_ref());
+        }
+        if input.peek(Token![=]) && input.peek2(token::Bracket) {
+            let message = "an array of factors has a name; write `group(spins: [SO3; 4])`";
+            return Err(syn::Error::new_spanned(self.word, message));
+        }
+        let name = self.equals(input, first_word).map_err(|error| with_example(error, self.key))?;
+        let Some(name) = name else { return Ok(Vec::new()) };
+        Ok(vec![Factor { name: None, group: group(input, name)?, length: None }])
+    }
+
+    /// `= expr` or `(attitude = expr, …)`
+    fn forces(&mut self, input: ParseStream<'_>) -> syn::Result<Vec<Force>> {
+        if input.peek(token::Paren) {
+            return self.entries(input, force, |force| force.factor.as_ref());
+        }
+        let value = self.equals(input, Parse::parse)?;
+        Ok(value.map(|value| Force { factor: None, value }).into_iter().collect())
+    }
+
+    /// `= left` or `= right`
+    fn invariance(&mut self, input: ParseStream<'_>) -> syn::Result<bool> {
+        let side: Option<Ident> =
+            self.equals(input, Parse::parse).map_err(|error| with_example(error, self.key))?;
+        match side.as_ref().map(ToString::to_string).as_deref() {
+            None | Some("left") => Ok(false),
+            Some("right") => Ok(true),
+            Some(_) => Err(syn::Error::new_spanned(side, "a system is `left`- or `right`-invariant")),
+        }
+    }
+
+    /// `(Midpoint, SymplecticEulerB, Family(1, 4))`
+    fn methods(&mut self, input: ParseStream<'_>, known: &[&'static Method]) -> syn::Result<Vec<Rule>> {
+        let named = self.entries(input, |input| method(input, known), |_| None::<&Ident>)?;
+        let mut rules = Vec::new();
+        for rule in named {
+            if !rules.contains(&rule) {
+                rules.push(rule);
+            }
+        }
+        if rules.len() > limits::METHODS {
+            let message = format!("a system may have {} methods at most", limits::METHODS);
+            return Err(syn::Error::new_spanned(self.word, message));
+        }
+        Ok(rules)
+    }
+
+    /// `= path::to::coadjoint`
+    fn crate_path(&mut self, input: ParseStream<'_>) -> syn::Result<Option<syn::Path>> {
+        let ahead = input.fork();
+        if ahead.parse::<Token![=]>().is_ok() && ahead.peek(LitStr) {
+            let text: LitStr = ahead.parse()?;
+            input.advance_to(&ahead);
+            let message = format!("write the path without quotes: `crate = {}`", text.value());
+            self.diagnostics.push(&text, message);
+            return Ok(None);
+        }
+        if ahead.is_empty() || ahead.peek(Token![,]) {
+            return self.equals(input, Parse::parse);
+        }
+        let path = |input: ParseStream<'_>| {
+            input.parse::<Token![=]>()?;
+            syn::Path::parse_mod_style(input)
+        };
+        path(input).map(Some).map_err(|error| with_example(error, self.key))
+    }
 }
 
-/// The first word of a group; `crate`, `self` and `super` too, with which paths begin.
-struct FirstWord(Ident);
-
-impl syn::parse::Parse for FirstWord {
-    fn parse(input: ParseStream<'_>) -> syn::Result<Self> {
-        let of_path = input.peek(Token![crate]) || input.peek(Token![self]) || input.peek(Token![super]);
-        if of_path { Ident::parse_any(input) } else { input.parse() }.map(Self)
+/// The error with an example of the key's use, unless it has one already.
+fn with_example(error: syn::Error, key: Key) -> syn::Error {
+    let message = error.to_string();
+    if message.contains(key.example()) {
+        return error;
     }
+    syn::Error::new(error.span(), format!("{message}; write `{}`", key.example()))
 }
 
 /// `attitude: SO3` or `spins: [SO3; 4]`
 fn factor(input: ParseStream<'_>) -> syn::Result<Factor> {
     let name = declared_name(input, "attitude: SO3", "a factor", "the group it moves on")?;
+    let factor_group = |input: ParseStream<'_>, example: &str| {
+        let message = format!("expected a group; a factor is written `{example}`");
+        group(input, first_word(input).explained(message)?)
+    };
     if !input.peek(token::Bracket) {
         return Ok(Factor { name: Some(name), group: factor_group(input, "attitude: SO3")?, length: None });
     }
@@ -374,82 +453,27 @@ fn factor(input: ParseStream<'_>) -> syn::Result<Factor> {
     Ok(Factor { name: Some(name), group, length: Some(length) })
 }
 
-/// The group of a factor.
-fn factor_group(input: ParseStream<'_>, example: &str) -> syn::Result<Group> {
-    let FirstWord(word) = input.parse().map_err(|error: syn::Error| {
-        syn::Error::new(error.span(), format!("expected a group; a factor is written `{example}`"))
-    })?;
-    group(input, word)
-}
-
-/// `= expr` or `(attitude = expr, …)`
-fn forces(input: ParseStream<'_>, key: &Ident, diagnostics: &mut Diagnostics) -> syn::Result<Vec<Force>> {
-    if input.peek(token::Paren) {
-        let name = |force: &Force| force.factor.clone();
-        return entries(input, (key, Key::Force), diagnostics, &mut Vec::new(), force, name);
-    }
-    let value = equals(input, Key::Force, diagnostics)?;
-    Ok(value.map(|value| Force { factor: None, value }).into_iter().collect())
-}
-
 /// `attitude = expr` or `spins[0] = expr`
 fn force(input: ParseStream<'_>) -> syn::Result<Force> {
-    let explain = |error: syn::Error| {
-        let message = "expected the name of a factor and `=`; write `force(attitude = moment)`";
-        syn::Error::new(error.span(), message)
-    };
+    let message = "expected the name of a factor and `=`; write `force(attitude = moment)`";
     if !input.peek(Ident) {
-        return Err(explain(input.error("")));
+        return Err(input.error("")).explained(message);
     }
     let factor: FactorName = input.parse()?;
-    input.parse::<Token![=]>().map_err(explain)?;
+    input.parse::<Token![=]>().explained(message)?;
     Ok(Force { factor: Some(factor), value: input.parse()? })
 }
 
 /// `momentum = "N m s"`
 fn unit(input: ParseStream<'_>) -> syn::Result<Unit> {
-    let explain = |error: syn::Error| {
-        let message = "expected a name, `=` and a unit in quotes; write `units(momentum = \"N m s\")`";
-        syn::Error::new(error.span(), message)
+    let parts = || {
+        let name = Ident::parse_any(input)?;
+        input.parse::<Token![=]>()?;
+        let text: LitStr = input.parse()?;
+        let unit = text.value().trim().to_owned();
+        if unit.is_empty() { Err(syn::Error::new_spanned(text, "")) } else { Ok(Unit { name, unit }) }
     };
-    let name = Ident::parse_any(input).map_err(explain)?;
-    input.parse::<Token![=]>().map_err(explain)?;
-    let text: LitStr = input.parse().map_err(explain)?;
-    let unit = text.value().trim().to_owned();
-    if unit.is_empty() { Err(explain(syn::Error::new_spanned(text, ""))) } else { Ok(Unit { name, unit }) }
-}
-
-/// `= left` or `= right`
-fn invariance(input: ParseStream<'_>, diagnostics: &mut Diagnostics) -> syn::Result<bool> {
-    let side: Option<Ident> =
-        equals(input, Key::Invariance, diagnostics).map_err(|error| with_example(error, Key::Invariance))?;
-    match side.as_ref().map(ToString::to_string).as_deref() {
-        None | Some("left") => Ok(false),
-        Some("right") => Ok(true),
-        Some(_) => Err(syn::Error::new_spanned(side, "a system is `left`- or `right`-invariant")),
-    }
-}
-
-/// `(Midpoint, SymplecticEulerB, Family(1, 4))`
-fn methods(
-    input: ParseStream<'_>,
-    key: &Ident,
-    known: &[&'static Method],
-    diagnostics: &mut Diagnostics,
-) -> syn::Result<Vec<Rule>> {
-    let method = |input: ParseStream<'_>| method(input, known);
-    let named = entries(input, (key, Key::Methods), diagnostics, &mut Vec::new(), method, |_| None::<Ident>)?;
-    let mut rules = Vec::new();
-    for rule in named {
-        if !rules.contains(&rule) {
-            rules.push(rule);
-        }
-    }
-    if rules.len() > limits::METHODS {
-        let message = format!("a system may have {} methods at most", limits::METHODS);
-        return Err(syn::Error::new_spanned(key, message));
-    }
-    Ok(rules)
+    parts().explained("expected a name, `=` and a unit in quotes; write `units(momentum = \"N m s\")`")
 }
 
 /// Compositions of steps that are generated without them.
@@ -457,9 +481,7 @@ const COMPOSED: [&str; 2] = ["StormerVerlet", "RightLift"];
 
 /// `Midpoint` or `Family(1, 4)`
 fn method(input: ParseStream<'_>, known: &[&'static Method]) -> syn::Result<Rule> {
-    let name: Ident = input
-        .parse()
-        .map_err(|error| syn::Error::new(error.span(), "expected a method, such as `Midpoint`"))?;
+    let name: Ident = input.parse().explained("expected a method, such as `Midpoint`")?;
     let text = name.to_string();
     let named = known.iter().find_map(|method| method.named(&text));
     match known.iter().find(|method| name == method.name) {
@@ -506,86 +528,22 @@ fn member(input: ParseStream<'_>, name: &Ident) -> syn::Result<Member> {
     })
 }
 
-/// The error with an example of the key's use, unless it has one already.
-fn with_example(error: syn::Error, key: Key) -> syn::Error {
-    let message = error.to_string();
-    if message.contains(key.example()) {
-        return error;
-    }
-    syn::Error::new(error.span(), format!("{message}; write `{}`", key.example()))
-}
-
-/// `= path::to::coadjoint`
-fn crate_path(input: ParseStream<'_>, diagnostics: &mut Diagnostics) -> syn::Result<Option<syn::Path>> {
-    let ahead = input.fork();
-    if ahead.parse::<Token![=]>().is_ok() && ahead.peek(LitStr) {
-        let text: LitStr = ahead.parse()?;
-        input.advance_to(&ahead);
-        diagnostics.push(&text, format!("write the path without quotes: `crate = {}`", text.value()));
-        return Ok(None);
-    }
-    if ahead.is_empty() || ahead.peek(Token![,]) {
-        return equals::<syn::Path>(input, Key::Crate, diagnostics);
-    }
-    input.parse::<Token![=]>().map_err(|error| with_example(error, Key::Crate))?;
-    syn::Path::parse_mod_style(input).map(Some).map_err(|error| with_example(error, Key::Crate))
-}
-
-/// Entries between parentheses, of which no two have the same name; the names of those that cannot be read are added to
-/// `unreadable`.
-fn entries<T, N: PartialEq + ToTokens + Display>(
-    input: ParseStream<'_>,
-    (key, known): (&Ident, Key),
-    diagnostics: &mut Diagnostics,
-    unreadable: &mut Vec<(Key, Ident)>,
-    parse: impl Fn(ParseStream<'_>) -> syn::Result<T>,
-    name: impl Fn(&T) -> Option<N>,
-) -> syn::Result<Vec<T>> {
-    if !input.peek(token::Paren) {
-        let missing = input.is_empty() || input.peek(Token![,]);
-        let place = if missing { key.span() } else { input.span() };
-        return Err(syn::Error::new(place, format!("expected parentheses; write `{}`", known.example())));
-    }
-    let content;
-    parenthesized!(content in input);
-    if content.is_empty() {
-        diagnostics.push(key, format!("`{}` names nothing; write `{}`", known.name(), known.example()));
-    }
-    let mut list: Vec<T> = Vec::new();
-    while !content.is_empty() {
-        let ahead = content.fork();
-        let read = parse(&ahead).map(|entry| match name(&entry) {
-            Some(this) if list.iter().any(|earlier| name(earlier).as_ref() == Some(&this)) => {
-                diagnostics.push(&this, format!("`{this}` is named twice in `{}`", known.name()));
-            }
-            _ => list.push(entry),
-        });
-        if read.is_err() {
-            unreadable.extend(content.fork().parse::<Ident>().map(|name| (known, name)));
-        }
-        finish_entry(&content, &ahead, read, diagnostics);
-    }
-    Ok(list)
-}
-
 /// `gamma: R3`, `gamma: attitude::R3` or `gamma: spins[0]::R3`
 fn advected(input: ParseStream<'_>) -> syn::Result<Advected> {
     let name = declared_name(input, "gamma: R3", "an advected parameter", "the space it lives in")?;
-    let explain = |error: syn::Error| {
-        let message = "expected a space; an advected parameter is written `gamma: R3`";
-        syn::Error::new(error.span(), message)
+    let is_named = || match input.peek(Ident) {
+        true => Ok(()),
+        false => {
+            Err(input.error("")).explained("expected a space; an advected parameter is written `gamma: R3`")
+        }
     };
-    if !input.peek(Ident) {
-        return Err(explain(input.error("")));
-    }
+    is_named()?;
     let is_of_factor = input.peek2(Token![::]) || input.peek2(token::Bracket);
     let factor = is_of_factor.then(|| input.parse::<FactorName>()).transpose()?;
     if is_of_factor {
         input.parse::<Token![::]>()?;
     }
-    if !input.peek(Ident) {
-        return Err(explain(input.error("")));
-    }
+    is_named()?;
     Ok(Advected { name, factor, space: space(input)? })
 }
 

@@ -7,6 +7,8 @@ use quote::ToTokens;
 use syn::parse::{Parse, ParseStream};
 use syn::{LitInt, bracketed, token};
 
+use crate::diagnostics::Explained;
+
 /// A factor by its name, or one of an array: `attitude`, `spins[0]`.
 #[derive(Clone, Debug)]
 pub struct FactorName {
@@ -33,16 +35,13 @@ impl Parse for FactorName {
         if !input.peek(token::Bracket) {
             return Ok(Self { ident, index: None });
         }
-        let explain = |error: syn::Error| {
-            let message = format!("one of an array of factors is named by its number, `{ident}[0]`");
-            syn::Error::new(error.span(), message)
-        };
+        let message = format!("one of an array of factors is named by its number, `{ident}[0]`");
         let content;
         let brackets = bracketed!(content in input);
-        let literal: LitInt = content.parse().map_err(explain)?;
-        let value = literal.base10_parse().map_err(explain)?;
+        let literal: LitInt = content.parse().explained(&message)?;
+        let value = literal.base10_parse().explained(&message)?;
         if !content.is_empty() {
-            return Err(explain(content.error("")));
+            return Err(content.error("")).explained(message);
         }
         Ok(Self { ident, index: Some(Index { brackets, literal, value }) })
     }

@@ -5,6 +5,7 @@ use syn::ext::IdentExt;
 use syn::parse::{Parse, ParseStream};
 use syn::{Ident, LitInt, Token, braced, bracketed, parenthesized, token};
 
+use crate::diagnostics::Explained;
 use crate::group::{FAMILIES, family_meant, one_word};
 
 /// A group.
@@ -99,54 +100,53 @@ pub(crate) fn group(input: ParseStream<'_>, keyword: Ident) -> syn::Result<Group
             name = Ident::parse_any(input)?;
             path.segments.push(name.clone().into());
         }
-        input.parse::<Token![!]>().map_err(|error| {
-            syn::Error::new(
-                error.span(),
-                format!("a group of your own, from `lie_group!`, is written `{name}!`"),
-            )
-        })?;
+        let message = format!("a group of your own, from `lie_group!`, is written `{name}!`");
+        input.parse::<Token![!]>().explained(message)?;
         return Ok(Group::Own(name, path));
     }
     if !input.peek(token::Paren) {
         return Ok(Group::Named(keyword));
     }
+    let word = keyword.to_string();
+    if !["product", "semidirect", "tangent"].contains(&word.as_str()) {
+        return sized_name(input, keyword).map(Group::Named);
+    }
     let content;
-    if keyword == "product" {
-        parenthesized!(content in input);
-        let factors = content.parse_terminated(|input| named(input, PRODUCT), Token![,])?;
-        return match factors.len() {
-            0 => Err(syn::Error::new_spanned(keyword, format!("a product has factors; write `{PRODUCT}`"))),
-            _ => Ok(Group::Product(keyword, factors.into_iter().collect())),
-        };
-    }
-    if keyword == "semidirect" {
-        parenthesized!(content in input);
-        let base = Box::new(named(&content, SEMIDIRECT)?);
-        let mut spaces = Vec::new();
-        while !content.is_empty() {
-            content.parse::<Token![,]>()?;
-            if content.is_empty() {
-                break;
+    parenthesized!(content in input);
+    match word.as_str() {
+        "product" => {
+            let factors = content.parse_terminated(|input| named(input, PRODUCT), Token![,])?;
+            if factors.is_empty() {
+                let message = format!("a product has factors; write `{PRODUCT}`");
+                return Err(syn::Error::new_spanned(keyword, message));
             }
-            let name = declared_name(&content, "velocity: R3", "a space", "a space that the group acts on")?;
-            spaces.push((name, space(&content)?));
+            Ok(Group::Product(keyword, factors.into_iter().collect()))
         }
-        if spaces.is_empty() {
-            let message = format!("a semidirect product has spaces; write `{SEMIDIRECT}`");
-            return Err(syn::Error::new_spanned(keyword, message));
+        "semidirect" => {
+            let base = Box::new(named(&content, SEMIDIRECT)?);
+            let space = |input: ParseStream<'_>| {
+                let name = declared_name(input, "velocity: R3", "a space", "a space that the group acts on")?;
+                Ok((name, space(input)?))
+            };
+            if !content.is_empty() {
+                content.parse::<Token![,]>()?;
+            }
+            let spaces = content.parse_terminated(space, Token![,])?;
+            if spaces.is_empty() {
+                let message = format!("a semidirect product has spaces; write `{SEMIDIRECT}`");
+                return Err(syn::Error::new_spanned(keyword, message));
+            }
+            Ok(Group::Semidirect(keyword, base, spaces.into_iter().collect()))
         }
-        return Ok(Group::Semidirect(keyword, base, spaces));
+        _ => {
+            let first = first_word(&content).explained("expected a group, as in `tangent(SO3)`")?;
+            let of = group(&content, first)?;
+            if !content.is_empty() {
+                return Err(content.error("a tangent group is that of one group, as in `tangent(SO3)`"));
+            }
+            Ok(Group::Tangent(keyword, Box::new(of)))
+        }
     }
-    if keyword == "tangent" {
-        parenthesized!(content in input);
-        let first = word(&content, "expected a group, as in `tangent(SO3)`")?;
-        let of = group(&content, first)?;
-        if !content.is_empty() {
-            return Err(content.error("a tangent group is that of one group, as in `tangent(SO3)`"));
-        }
-        return Ok(Group::Tangent(keyword, Box::new(of)));
-    }
-    sized_name(input, keyword).map(Group::Named)
 }
 
 const PRODUCT: &str = "product(attitude: SO3, position: R3)";
@@ -154,19 +154,19 @@ const SEMIDIRECT: &str = "semidirect(attitude: SO3, velocity: R3, position: R3)"
 
 /// `attitude: SO3`, within a product.
 fn named(input: ParseStream<'_>, example: &str) -> syn::Result<(Ident, Group)> {
-    let message = || format!("each group has a name; write `{example}`");
-    let name: Ident = input.parse().map_err(|error| syn::Error::new(error.span(), message()))?;
+    let message = format!("each group has a name; write `{example}`");
+    let name: Ident = input.parse().explained(&message)?;
     if !input.peek(Token![:]) {
-        return Err(syn::Error::new_spanned(&name, message()));
+        return Err(syn::Error::new_spanned(&name, message));
     }
     input.parse::<Token![:]>()?;
-    let keyword = word(input, "expected a group, such as `SO3`")?;
+    let keyword = first_word(input).explained("expected a group, such as `SO3`")?;
     Ok((name, group(input, keyword)?))
 }
 
 /// `R3`, `adjoint`, `dual(R2)`, `matrices { … }`
 pub(super) fn space(input: ParseStream<'_>) -> syn::Result<Space> {
-    let keyword = word(input, "expected a space, such as `R3`")?;
+    let keyword = first_word(input).explained("expected a space, such as `R3`")?;
     if keyword == "matrices" && input.peek(token::Brace) {
         return Ok(Space::Matrices(keyword, basis(input)?));
     }
@@ -182,12 +182,10 @@ pub(super) fn space(input: ParseStream<'_>) -> syn::Result<Space> {
     Ok(Space::Named(keyword))
 }
 
-/// A word; `crate`, `self` and `super` too, with which paths begin.
-fn word(input: ParseStream<'_>, message: &str) -> syn::Result<Ident> {
-    if input.peek(Token![crate]) || input.peek(Token![self]) || input.peek(Token![super]) {
-        return Ident::parse_any(input);
-    }
-    input.parse().map_err(|error: syn::Error| syn::Error::new(error.span(), message))
+/// The first word of a group or a space; `crate`, `self` and `super` too, with which paths begin.
+pub(super) fn first_word(input: ParseStream<'_>) -> syn::Result<Ident> {
+    let of_path = input.peek(Token![crate]) || input.peek(Token![self]) || input.peek(Token![super]);
+    if of_path { Ident::parse_any(input) } else { input.parse() }
 }
 
 /// `{ h: [1, 0; 0, -1], … }`
@@ -205,9 +203,7 @@ fn basis_matrix(input: ParseStream<'_>) -> syn::Result<BasisMatrix> {
     let mut rows = vec![Vec::new()];
     while !content.is_empty() {
         let negative = content.parse::<Option<Token![-]>>()?.is_some();
-        let entry: LitInt = content.parse().map_err(|error| {
-            syn::Error::new(error.span(), "expected a whole number, as in `[1, 0; 0, -1]`")
-        })?;
+        let entry: LitInt = content.parse().explained("expected a whole number, as in `[1, 0; 0, -1]`")?;
         let value = i64::from(entry.base10_parse::<i32>()?);
         if let Some(row) = rows.last_mut() {
             row.push(if negative { -value } else { value });
@@ -264,14 +260,12 @@ pub(super) fn declared_name(
     what: &str,
     needs: &str,
 ) -> syn::Result<Ident> {
-    let explain = |error: syn::Error, expected: &str| {
-        syn::Error::new(error.span(), format!("expected {expected}; {what} is written `{example}`"))
-    };
-    let name: Ident = input.parse().map_err(|error| explain(error, "a name"))?;
+    let message = |expected: &str| format!("expected {expected}; {what} is written `{example}`");
+    let name: Ident = input.parse().explained(message("a name"))?;
     if input.is_empty() || input.peek(Token![,]) {
         let (_, ty) = example.split_once(": ").unwrap_or_default();
         return Err(syn::Error::new_spanned(&name, format!("`{name}` needs {needs}; write `{name}: {ty}`")));
     }
-    input.parse::<Token![:]>().map_err(|error| explain(error, "a colon"))?;
+    input.parse::<Token![:]>().explained(message("a colon"))?;
     Ok(name)
 }

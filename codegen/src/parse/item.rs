@@ -82,20 +82,26 @@ impl Item {
     pub fn parse(tokens: TokenStream, diagnostics: &mut Diagnostics) -> Option<Self> {
         let before = diagnostics.len();
         let mut declaration = declaration(tokens, diagnostics)?;
-        generics(&declaration, diagnostics);
-        conditions(&declaration, diagnostics);
+        let generics = &declaration.generics;
+        if !generics.params.is_empty() {
+            let message = "a system cannot be generic; write the types of its parameters, such as `f64`";
+            diagnostics.push(generics, message);
+        }
+        // conditional fields would have to be conditional in all that is generated
+        let attributes = declaration.fields.iter().flat_map(|field| &field.attrs);
+        for attribute in attributes.filter(|attribute| is(attribute, "cfg")) {
+            diagnostics.push(attribute, "the parameters of a system cannot depend on `cfg`");
+        }
         let named = match &mut declaration.fields {
             Fields::Named(fields) => &mut fields.named,
             Fields::Unnamed(fields) => {
                 let message = "the parameters of a system need names; write `struct Name { name: Type, … }`";
-                diagnostics.push(&*fields, message);
-                return None;
+                return diagnostics.fail(&*fields, message);
             }
             Fields::Unit => {
                 let message =
                     "a system needs parameters, at least its inertia; write `struct Name { #[inertia] … }`";
-                diagnostics.push(&declaration.ident, message);
-                return None;
+                return diagnostics.fail(&declaration.ident, message);
             }
         };
         let (mut fields, mut unreadable) = (Vec::new(), Vec::new());
@@ -170,31 +176,13 @@ fn declaration(tokens: TokenStream, diagnostics: &mut Diagnostics) -> Option<Ite
             match syn::parse2::<syn::Item>(tokens) {
                 // not a struct, but an item
                 Ok(syn::Item::Struct(_)) | Err(_) => diagnostics.absorb(error),
-                Ok(other) => diagnostics.push(
-                    other,
-                    "`#[lie_poisson_system]` describes a struct that holds the parameters of the system",
-                ),
+                Ok(other) => {
+                    let message =
+                        "`#[lie_poisson_system]` describes a struct that holds the parameters of the system";
+                    diagnostics.push(other, message);
+                }
             }
             None
-        }
-    }
-}
-
-fn generics(declaration: &ItemStruct, diagnostics: &mut Diagnostics) {
-    let generics = &declaration.generics;
-    if !generics.params.is_empty() {
-        let message = "a system cannot be generic; write the types of its parameters, such as `f64`";
-        diagnostics.push(generics, message);
-    }
-}
-
-/// Conditional fields would have to be conditional in all that is generated.
-fn conditions(declaration: &ItemStruct, diagnostics: &mut Diagnostics) {
-    for field in &declaration.fields {
-        for attribute in &field.attrs {
-            if attribute.path().is_ident("cfg") {
-                diagnostics.push(attribute, "the parameters of a system cannot depend on `cfg`");
-            }
         }
     }
 }
@@ -219,10 +207,7 @@ fn take_unit(field: &mut syn::Field, diagnostics: &mut Diagnostics) -> Option<St
     let text = attribute.meta.require_list().and_then(|list| list.parse_args::<LitStr>());
     match text.map(|text| text.value().trim().to_owned()) {
         Ok(unit) if !unit.is_empty() => Some(unit),
-        _ => {
-            diagnostics.push(attribute, "a unit is written as a text: `#[unit(\"kg m²\")]`");
-            None
-        }
+        _ => diagnostics.fail(attribute, "a unit is written as a text: `#[unit(\"kg m²\")]`"),
     }
 }
 

@@ -41,13 +41,12 @@ pub(crate) fn shape_named(name: &str) -> Option<Shape> {
 
 /// The shape and scalar type of a field's type, told by its last path segment, whatever module it comes from.
 pub(super) fn of_type(ty: &Type) -> Option<(Shape, ScalarType)> {
-    let path = match ty {
-        Type::Path(path) if path.qself.is_none() => &path.path,
-        Type::Paren(inner) => return of_type(&inner.elem),
-        Type::Group(inner) => return of_type(&inner.elem),
-        _ => return None,
-    };
-    of_segment(path.segments.last()?)
+    match ty {
+        Type::Path(path) if path.qself.is_none() => of_segment(path.path.segments.last()?),
+        Type::Paren(inner) => of_type(&inner.elem),
+        Type::Group(inner) => of_type(&inner.elem),
+        _ => None,
+    }
 }
 
 /// The element type and length of an array; the type itself if it is none.
@@ -62,17 +61,17 @@ pub(super) fn element(ty: &Type) -> syn::Result<(&Type, Option<usize>)> {
 
 /// The length of an array. What arrays of the standard library are, such as their own default, they are up to this one.
 pub(super) fn array_length(length: &Expr) -> syn::Result<usize> {
-    let known = match length {
-        Expr::Lit(literal) => match &literal.lit {
-            Lit::Int(literal) => literal.base10_parse::<usize>().ok(),
-            _ => None,
-        },
-        _ => None,
-    };
-    known.filter(|length| (1..=LARGEST).contains(length)).ok_or_else(|| {
+    size(length).ok_or_else(|| {
         let message = format!("the length of an array is a number from 1 to {LARGEST}");
         syn::Error::new_spanned(length, message)
     })
+}
+
+/// A literal number of rows, columns or elements.
+fn size(literal: &Expr) -> Option<usize> {
+    let Expr::Lit(literal) = literal else { return None };
+    let Lit::Int(literal) = &literal.lit else { return None };
+    literal.base10_parse().ok().filter(|size| (1..=LARGEST).contains(size))
 }
 
 /// The shape and scalar type that a path's segment names, as `Vector3<f64>` or `SVector::<f64, 4>` do.
@@ -101,17 +100,16 @@ fn arguments(segment: &PathSegment) -> Vec<&GenericArgument> {
 
 fn scalar_argument(argument: &GenericArgument) -> Option<ScalarType> {
     match argument {
-        GenericArgument::Type(ty) => match of_type(ty)? {
-            (Shape::Scalar, scalar) => Some(scalar),
-            _ => None,
-        },
+        GenericArgument::Type(ty) => {
+            of_type(ty).filter(|(shape, _)| *shape == Shape::Scalar).map(|(_, scalar)| scalar)
+        }
         _ => None,
     }
 }
 
 fn size_argument(argument: &GenericArgument) -> Option<usize> {
-    let GenericArgument::Const(Expr::Lit(literal)) = argument else { return None };
-    let Lit::Int(literal) = &literal.lit else { return None };
-    let size = literal.base10_parse::<usize>().ok()?;
-    (1..=LARGEST).contains(&size).then_some(size)
+    match argument {
+        GenericArgument::Const(literal) => size(literal),
+        _ => None,
+    }
 }

@@ -137,7 +137,7 @@ impl Quantity {
 impl Interface {
     /// How many components the perturbation of the state has.
     pub fn state_perturbation(&self) -> usize {
-        perturbation(&self.state)
+        self.state.last().map_or(0, |last| last.tangent.end)
     }
 
     /// How many components the controls have.
@@ -163,8 +163,4 @@ impl Interface {
 
 fn length(quantities: &[Quantity]) -> usize {
     quantities.iter().map(|quantity| quantity.components.len()).sum()
-}
-
-fn perturbation(quantities: &[Quantity]) -> usize {
-    quantities.last().map_or(0, |last| last.tangent.end)
 }

@@ -294,19 +294,23 @@ impl Term {
         }
     }
 
+    /// The operands, in order.
+    pub(crate) fn operands(&self) -> Vec<&Self> {
+        match self {
+            Self::Number(_) | Self::Value(_) => Vec::new(),
+            Self::Negative(x) | Self::Function(_, x) => vec![x],
+            Self::Sum(addends) => addends.iter().map(|(_, addend)| addend).collect(),
+            Self::Product(factors) => factors.iter().collect(),
+            Self::MulAdd { a, b, addend, .. } => vec![a, b, addend],
+            Self::Quotient(x, y) | Self::Power(x, y) | Self::Atan2(x, y) => vec![x, y],
+        }
+    }
+
     /// Shows each value that the term names.
     pub fn values(&self, show: &mut impl FnMut(Value)) {
-        match self {
-            Self::Number(_) => {}
-            Self::Value(value) => show(*value),
-            Self::Negative(x) | Self::Function(_, x) => x.values(show),
-            Self::Sum(addends) => addends.iter().for_each(|(_, addend)| addend.values(show)),
-            Self::Product(factors) => factors.iter().for_each(|factor| factor.values(show)),
-            Self::MulAdd { a, b, addend, .. } => [a, b, addend].iter().for_each(|part| part.values(show)),
-            Self::Quotient(x, y) | Self::Power(x, y) | Self::Atan2(x, y) => {
-                x.values(show);
-                y.values(show);
-            }
+        if let Self::Value(value) = self {
+            show(*value);
         }
+        self.operands().into_iter().for_each(|operand| operand.values(show));
     }
 }

@@ -51,77 +51,54 @@ impl Term {
 impl Operations {
     /// All of them, whatever their kind.
     pub fn total(self) -> usize {
+        self.counts().into_iter().sum()
+    }
+
+    /// In the order in which they are listed.
+    fn counts(self) -> [usize; 6] {
         let Self { additions, multiplications, divisions, roots, stumpff, functions } = self;
-        additions + multiplications + divisions + roots + stumpff + functions
+        [additions, multiplications, divisions, roots, stumpff, functions]
     }
 
     fn add(&mut self, term: &Term) {
         match term {
-            Term::Number(_) | Term::Value(_) => {}
-            Term::Negative(x) => self.add(x),
-            Term::Sum(addends) => {
-                self.additions += addends.len() - 1;
-                addends.iter().for_each(|(_, addend)| self.add(addend));
-            }
-            Term::Product(factors) => {
-                self.multiplications += factors.len() - 1;
-                factors.iter().for_each(|factor| self.add(factor));
-            }
-            Term::MulAdd { a, b, addend, .. } => {
+            Term::Number(_) | Term::Value(_) | Term::Negative(_) => {}
+            Term::Sum(addends) => self.additions += addends.len() - 1,
+            Term::Product(factors) => self.multiplications += factors.len() - 1,
+            Term::MulAdd { .. } => {
                 self.additions += 1;
                 self.multiplications += 1;
-                [a, b, addend].into_iter().for_each(|part| self.add(part));
             }
-            Term::Quotient(x, y) => {
-                self.divisions += 1;
-                self.add(x);
-                self.add(y);
-            }
-            Term::Function(function, x) => {
-                *match function {
-                    Elementary::Sqrt => &mut self.roots,
-                    Elementary::RecipOrZero => &mut self.divisions,
-                    _ => &mut self.functions,
-                } += 1;
-                self.add(x);
-            }
-            Term::Power(x, y) | Term::Atan2(x, y) => {
-                self.functions += 1;
-                self.add(x);
-                self.add(y);
-            }
+            Term::Quotient(..) | Term::Function(Elementary::RecipOrZero, _) => self.divisions += 1,
+            Term::Function(Elementary::Sqrt, _) => self.roots += 1,
+            Term::Function(..) | Term::Power(..) | Term::Atan2(..) => self.functions += 1,
         }
+        term.operands().into_iter().for_each(|operand| self.add(operand));
     }
 }
 
 impl std::ops::Add for Operations {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        Self {
-            additions: self.additions + other.additions,
-            multiplications: self.multiplications + other.multiplications,
-            divisions: self.divisions + other.divisions,
-            roots: self.roots + other.roots,
-            stumpff: self.stumpff + other.stumpff,
-            functions: self.functions + other.functions,
-        }
+        let [additions, multiplications, divisions, roots, stumpff, functions] =
+            std::array::from_fn(|kind| self.counts()[kind] + other.counts()[kind]);
+        Self { additions, multiplications, divisions, roots, stumpff, functions }
     }
 }
 
 impl std::fmt::Display for Operations {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let kinds = [
-            (self.additions, "addition", "additions"),
-            (self.multiplications, "multiplication", "multiplications"),
-            (self.divisions, "division", "divisions"),
-            (self.roots, "square root", "square roots"),
-            (self.stumpff, "evaluation of Stumpff functions", "evaluations of Stumpff functions"),
-            (self.functions, "function call", "function calls"),
+            ("addition", "additions"),
+            ("multiplication", "multiplications"),
+            ("division", "divisions"),
+            ("square root", "square roots"),
+            ("evaluation of Stumpff functions", "evaluations of Stumpff functions"),
+            ("function call", "function calls"),
         ];
-        let present: Vec<String> = kinds
-            .into_iter()
-            .filter(|&(count, ..)| count > 0)
-            .map(|(count, one, many)| format!("{count} {}", if count == 1 { one } else { many }))
+        let present = self.counts().into_iter().zip(kinds).filter(|&(count, _)| count > 0);
+        let present: Vec<String> = present
+            .map(|(count, (one, many))| format!("{count} {}", if count == 1 { one } else { many }))
             .collect();
         f.write_str(&if present.is_empty() { "no operation".to_owned() } else { present.join(", ") })
     }

@@ -4,6 +4,7 @@
 use std::fmt;
 
 use super::{Function, FunctionRole, Module, RecordKind, Statement, Term, Values};
+use crate::expr::sign;
 
 impl RecordKind {
     /// The record's name in text.
@@ -66,12 +67,7 @@ impl Values {
             Term::Sum(addends) => {
                 let mut text = String::new();
                 for (place, (negative, addend)) in addends.iter().enumerate() {
-                    text.push_str(match (place, negative) {
-                        (0, false) => "",
-                        (0, true) => "-",
-                        (_, false) => " + ",
-                        (_, true) => " - ",
-                    });
+                    text.push_str(sign(place, *negative));
                     text.push_str(&match addend {
                         // what comes first is added to from left to right
                         Term::MulAdd { .. } if place == 0 => self.term(addend),

@@ -125,3 +125,15 @@ impl Code<'_> {
         f64::from_le_bytes(std::array::from_fn(|_| self.byte()))
     }
 }
+
+/// The library runs what the generator writes: both have the numbers of operations to the letter.
+#[test]
+fn operations_have_the_numbers_that_the_library_knows() {
+    let kinds = |path: &str| {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
+        let text = std::fs::read_to_string(path).expect("a source");
+        let (_, module) = text.split_once("\nmod kind {\n").expect("the kinds of terms");
+        module.split_once("\n}\n").expect("its end").0.to_owned()
+    };
+    assert_eq!(kinds("src/emit/bytes.rs"), kinds("../runtime/src/bytecode.rs"));
+}

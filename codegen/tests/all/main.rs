@@ -32,3 +32,13 @@ mod vanishing;
 #[allow(dead_code, unreachable_pub)]
 #[path = "../../src/quantity.rs"]
 mod quantity;
+
+/// For [`alone`].
+#[allow(dead_code, unreachable_pub)]
+#[path = "../../src/expr/entries.rs"]
+mod entries;
+
+/// For [`alone`].
+mod expr {
+    pub(crate) use crate::entries::Entries;
+}

@@ -1,7 +1,7 @@
 //! Straight-line code as Rust.
 
 use proc_macro2::{Ident, Literal, Span, TokenStream};
-use quote::{format_ident, quote};
+use quote::{ToTokens, format_ident, quote};
 
 use crate::expr::Number;
 use crate::program::{Argument, Elementary, Function, Input, RecordKind, Statement, Term, Value, Values};
@@ -133,15 +133,14 @@ fn unpacked(module: &Values, argument: &Argument) -> TokenStream {
         Input::Record(RecordKind::Constants) => quote! { self.0 },
         _ => quote! { *#name },
     };
-    let patterns = values[..=last].iter().map(|value| match value {
-        Some(value) => {
-            let name = ident(module, *value);
-            quote! { #name }
-        }
-        None => quote! { _ },
-    });
+    let patterns = values[..=last].iter().map(|value| pattern(module, *value));
     let rest = (last + 1 < values.len()).then(|| quote! { , .. });
     quote! { let [#(#patterns),* #rest] = #from; }
+}
+
+/// A name for a value, if it is used.
+fn pattern(module: &Values, value: Option<Value>) -> TokenStream {
+    value.map_or_else(|| quote! { _ }, |value| ident(module, value).into_token_stream())
 }
 
 /// The type of a record: an array of as many numbers.
@@ -174,13 +173,7 @@ fn statement(module: &Values, statement: &Statement) -> TokenStream {
             quote! { let #name = #value; }
         }
         Statement::Stumpff { values, argument } => {
-            let names = values.iter().map(|value| match value {
-                Some(value) => {
-                    let name = ident(module, *value);
-                    quote! { #name }
-                }
-                None => quote! { _ },
-            });
+            let names = values.iter().map(|value| pattern(module, *value));
             let argument = term(module, argument);
             quote! { let [#(#names),*] = T::stumpff(#argument); }
         }
@@ -205,10 +198,7 @@ fn bound(module: &Values, value: &Term, around: Binding) -> TokenStream {
     let within = |term: &Term, around| bound(module, term, around);
     let (tokens, binding) = match value {
         Term::Number(number) => (constant(*number), Binding::Unary),
-        Term::Value(value) => {
-            let name = ident(module, *value);
-            (quote! { #name }, Binding::Unary)
-        }
+        Term::Value(value) => (ident(module, *value).into_token_stream(), Binding::Unary),
         Term::Negative(x) => {
             let x = within(x, Binding::Unary);
             (quote! { -#x }, Binding::Product)

@@ -1,6 +1,6 @@
 //! Derivatives of steps as Rust.
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::code::{array, arrays, body, inlined, kept, record, size};
@@ -76,95 +76,80 @@ struct Maps<'m> {
 
 impl Maps<'_> {
     fn method(&self, function: &Function<DerivativeRole>) -> TokenStream {
-        let operations = function.operations();
-        let method = match function.role {
-            DerivativeRole::Point => self.point(function),
-            DerivativeRole::Tangent => self.tangent(function),
-            DerivativeRole::Adjoint => self.adjoint(function),
-            DerivativeRole::Through => self.through(function),
-            DerivativeRole::WrtState => self.matrix(function, self.lengths.state),
-            DerivativeRole::WrtControl => self.matrix(function, self.lengths.controls),
-            DerivativeRole::WrtParameters => self.matrix(function, self.lengths.parameters),
-        };
+        let values = &self.module.values;
         let purpose = function.role.signature().purpose;
-        let doc = docs::line(&format!("{purpose}: {operations}."));
-        let inlined = inlined();
+        let doc = docs::line(&format!("{purpose}: {}.", function.operations()));
+        let (inlined, signature, body) = (inlined(), self.signature(function), body(values, function));
+        let arrays = || arrays(values, function);
+        let result = match function.role {
+            DerivativeRole::Point => kept(values, RecordKind::Point),
+            DerivativeRole::Tangent => arrays().into_iter().collect(),
+            DerivativeRole::Adjoint => {
+                let by = arrays();
+                quote! { (#(#by),*) }
+            }
+            DerivativeRole::Through => {
+                let columns = arrays();
+                quote! { [#(#columns),*] }
+            }
+            DerivativeRole::WrtState | DerivativeRole::WrtControl | DerivativeRole::WrtParameters => {
+                self.columns(function)
+            }
+        };
         quote! {
             #doc
             #inlined
-            #method
-        }
-    }
-
-    /// `fn point(…) -> Self::Point { … }`
-    fn point(&self, function: &Function<DerivativeRole>) -> TokenStream {
-        let body = body(&self.module.values, function);
-        let kept = kept(&self.module.values, RecordKind::Point);
-        let [parameters, state, control, unknown] =
-            [Input::Parameters, Input::State, Input::Control, Input::Unknown]
-                .map(|input| size(function.length(input)));
-        quote! {
-            fn point(
-                parameters: &[T; #parameters],
-                step: T,
-                state: &[T; #state],
-                time: T,
-                control: &[T; #control],
-                unknown: &[T; #unknown],
-            ) -> Self::Point {
+            #signature {
                 #body
-                #kept
+                #result
             }
         }
     }
 
-    /// The lengths of the perturbations of state, controls and parameters.
-    fn sizes(&self) -> [proc_macro2::Literal; 3] {
-        let Lengths { state, controls, parameters } = *self.lengths;
-        [state, controls, parameters].map(size)
-    }
-
-    /// The product with a perturbation.
-    fn tangent(&self, function: &Function<DerivativeRole>) -> TokenStream {
-        let [state, control, parameters] = self.sizes();
-        let (body, next) = (body(&self.module.values, function), arrays(&self.module.values, function));
-        quote! {
-            fn tangent(
-                point: &Self::Point,
-                state: &[T; #state],
-                control: &[T; #control],
-                parameters: &[T; #parameters],
-            ) -> [T; #state] {
-                #body
-                #(#next)*
+    fn signature(&self, function: &Function<DerivativeRole>) -> TokenStream {
+        let Lengths { state: n, controls, parameters } = *self.lengths;
+        let [state, control, parameters] = [n, controls, parameters].map(size);
+        let matrix = |columns: &Literal| {
+            let (name, through) = (format_ident!("{}", function.role.name()), self.through_type());
+            quote! { fn #name(point: &Self::Point, through: &#through) -> [[T; #state]; #columns] }
+        };
+        match function.role {
+            DerivativeRole::Point => {
+                let [parameters, state, control, unknown] =
+                    [Input::Parameters, Input::State, Input::Control, Input::Unknown]
+                        .map(|input| size(function.length(input)));
+                quote! {
+                    fn point(
+                        parameters: &[T; #parameters],
+                        step: T,
+                        state: &[T; #state],
+                        time: T,
+                        control: &[T; #control],
+                        unknown: &[T; #unknown],
+                    ) -> Self::Point
+                }
             }
-        }
-    }
-
-    /// The product with a costate.
-    fn adjoint(&self, function: &Function<DerivativeRole>) -> TokenStream {
-        let [state, control, parameters] = self.sizes();
-        let (body, by) = (body(&self.module.values, function), arrays(&self.module.values, function));
-        quote! {
-            fn adjoint(
-                point: &Self::Point,
-                costate: &[T; #state],
-            ) -> ([T; #state], [T; #control], [T; #parameters]) {
-                #body
-                (#(#by),*)
+            DerivativeRole::Tangent => quote! {
+                fn tangent(
+                    point: &Self::Point,
+                    state: &[T; #state],
+                    control: &[T; #control],
+                    parameters: &[T; #parameters],
+                ) -> [T; #state]
+            },
+            DerivativeRole::Adjoint => quote! {
+                fn adjoint(
+                    point: &Self::Point,
+                    costate: &[T; #state],
+                ) -> ([T; #state], [T; #control], [T; #parameters])
+            },
+            DerivativeRole::Through => {
+                let through = self.through_type();
+                quote! { fn through(point: &Self::Point) -> #through }
             }
-        }
-    }
-
-    /// The derivative with respect to the unknown.
-    fn through(&self, function: &Function<DerivativeRole>) -> TokenStream {
-        let ty = self.through_type();
-        let (body, columns) = (body(&self.module.values, function), arrays(&self.module.values, function));
-        quote! {
-            fn through(point: &Self::Point) -> #ty {
-                #body
-                [#(#columns),*]
-            }
+            DerivativeRole::WrtState => matrix(&state),
+            DerivativeRole::WrtControl => matrix(&control),
+            DerivativeRole::WrtParameters => matrix(&parameters),
         }
     }
 
@@ -177,11 +162,8 @@ impl Maps<'_> {
     }
 
     /// A matrix, column by column: `explicit + through · unknown`.
-    fn matrix(&self, function: &Function<DerivativeRole>, columns: usize) -> TokenStream {
+    fn columns(&self, function: &Function<DerivativeRole>) -> TokenStream {
         let Self { module, private, .. } = *self;
-        let name = format_ident!("{}", function.role.name());
-        let (n, columns) = (size(self.lengths.state), size(columns));
-        let (body, through) = (body(&module.values, function), self.through_type());
         let pairs = function.results.chunks(2).enumerate();
         let (explicit, products): (Vec<TokenStream>, Vec<TokenStream>) = pairs
             .map(|(j, column)| {
@@ -194,12 +176,9 @@ impl Maps<'_> {
             })
             .unzip();
         quote! {
-            fn #name(point: &Self::Point, through: &#through) -> [[T; #n]; #columns] {
-                #body
-                let mut columns = [#(#explicit),*];
-                #(#products)*
-                columns
-            }
+            let mut columns = [#(#explicit),*];
+            #(#products)*
+            columns
         }
     }
 }

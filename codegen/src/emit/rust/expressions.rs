@@ -10,7 +10,7 @@ use super::docs;
 use super::names::Names;
 use super::state::kind_type;
 use crate::identifiers::{plain, velocity_name};
-use crate::model::{EnergySource, Factor, Factors, ForceForm, ForceSource, Name, NamedPart, System, parts};
+use crate::model::{EnergySource, Factors, ForceForm, ForceSource, Name, System, parts};
 use crate::parse::EnergyRow;
 use crate::program::Interface;
 use crate::quantity::Kind;
@@ -188,65 +188,63 @@ fn declared<'s, 'a>(system: &'s System<'a>) -> impl Iterator<Item = Range<usize>
 
 /// Variables for the velocities, and for their parts, that an expression names; `all` is the variable of all of them.
 fn velocities(system: &System<'_>, expression: &syn::Expr, all: &Ident) -> TokenStream {
-    let mut variables = TokenStream::new();
     let places = system.group.places();
-    for factors in declared(system) {
+    let of = |factors: Range<usize>| {
         let first = &system.factors[factors.start];
         let momentum = &first.momentum_name.ident;
-        let whole = |rows: Range<usize>, is_number: bool| {
-            let of = |factor: usize| {
-                let start = places[factor].algebra.start;
-                rows_of(&quote! { #all }, start + rows.start..start + rows.end, is_number)
-            };
-            gathered(first, factors.clone().map(of).collect())
-        };
-        for NamedPart { velocity, rows, .. } in parts(system.group.factors[factors.start].group, momentum) {
-            let is_number = rows.len() == 1;
-            variables.extend(binding(&velocity, expression, || whole(rows, is_number)));
-        }
-        let rows = 0..first.momentum.len();
-        variables.extend(binding(&velocity_name(momentum), expression, || whole(rows, false)));
-    }
-    variables
+        let parts = parts(system.group.factors[factors.start].group, momentum);
+        let mut rows: Vec<_> =
+            parts.into_iter().map(|part| (part.velocity, part.rows.len() == 1, part.rows)).collect();
+        rows.push((velocity_name(momentum), false, 0..first.momentum.len()));
+        let whole = |factor: usize| (quote! { #all }, places[factor].algebra.start);
+        variables(system, expression, factors, rows, &whole)
+    };
+    declared(system).map(of).collect()
 }
 
 /// Variables for the parts of momenta that an expression names.
 fn momentum_parts(system: &System<'_>, expression: &syn::Expr) -> TokenStream {
     let of = |factors: Range<usize>| {
-        let first = &system.factors[factors.start];
-        let momentum = &first.momentum_name.ident;
-        let part = |NamedPart { momentum: name, rows, .. }| {
-            let of = |factor: usize| {
-                let whole = match system.factors[factor].name.place {
-                    None => quote! { #momentum },
-                    Some(place) => {
-                        let index = size(place.index);
-                        quote! { #momentum[#index] }
-                    }
-                };
-                rows_of(&whole, rows.clone(), rows.len() == 1)
-            };
-            binding(&name, expression, || gathered(first, factors.clone().map(of).collect()))
+        let momentum = &system.factors[factors.start].momentum_name.ident;
+        let parts = parts(system.group.factors[factors.start].group, momentum);
+        let rows = parts.into_iter().map(|part| (part.momentum, part.rows.len() == 1, part.rows)).collect();
+        let whole = |factor: usize| match system.factors[factor].name.place {
+            None => (quote! { #momentum }, 0),
+            Some(place) => {
+                let index = size(place.index);
+                (quote! { #momentum[#index] }, 0)
+            }
         };
-        let group = system.group.factors[factors.start].group;
-        parts(group, momentum).into_iter().filter_map(part).collect::<TokenStream>()
+        variables(system, expression, factors, rows, &whole)
     };
     declared(system).map(of).collect()
 }
 
-/// Gathers the value of one factor, or an array of those of each.
-fn gathered(first: &Factor<'_>, values: Vec<TokenStream>) -> TokenStream {
-    match first.name.place {
-        None => values.into_iter().collect(),
-        Some(_) => quote! { [#(#values),*] },
-    }
-}
-
-/// `let angular_momentum = …;` where the name is used.
-fn binding(name: &str, expression: &syn::Expr, value: impl FnOnce() -> TokenStream) -> Option<TokenStream> {
-    let name = mentioned(expression.to_token_stream(), name)?;
-    let value = value();
-    Some(quote! { let #name = #value; })
+/// Variables for rows of a vector that each factor has, as far as an expression names them: `let angular_momentum = …;`,
+/// of an array of factors an array. With each name stands whether it is a number; `whole` is a factor's vector, and where
+/// it begins.
+fn variables(
+    system: &System<'_>,
+    expression: &syn::Expr,
+    factors: Range<usize>,
+    rows: Vec<(String, bool, Range<usize>)>,
+    whole: &dyn Fn(usize) -> (TokenStream, usize),
+) -> TokenStream {
+    let is_array = system.factors[factors.start].name.place.is_some();
+    let variable = |(name, is_number, rows): (String, bool, Range<usize>)| {
+        let name = mentioned(expression.to_token_stream(), &name)?;
+        let values = factors.clone().map(|factor| {
+            let (whole, start) = whole(factor);
+            rows_of(&whole, start + rows.start..start + rows.end, is_number)
+        });
+        let value = if is_array {
+            quote! { [#(#values),*] }
+        } else {
+            values.collect()
+        };
+        Some(quote! { let #name = #value; })
+    };
+    rows.into_iter().filter_map(variable).collect()
 }
 
 /// Some rows of a vector, or the one number that they are.

@@ -8,16 +8,21 @@ use super::docs;
 use super::names::Names;
 use crate::program::{FunctionRole as _, Input, Program, SystemRole};
 
+/// What the free function of a role is called.
+fn function_name(role: SystemRole) -> String {
+    match role {
+        SystemRole::Displacement(retraction) => retraction.snake_name(),
+        SystemRole::HamiltonianVector => "vector".to_owned(),
+        SystemRole::Deviation => "off".to_owned(),
+        role => role.name(),
+    }
+}
+
 /// The free function of a role, if there is one.
-pub(super) fn function(
-    program: &Program,
-    private: &TokenStream,
-    role: SystemRole,
-    name: &str,
-) -> TokenStream {
+pub(super) fn function(program: &Program, names: &Names, role: SystemRole) -> TokenStream {
     let Some((module, function)) = program.function(role) else { return quote! {} };
     let doc = docs::line(&format!("{}: {}.", role.signature().purpose, function.operations()));
-    let function = free_function(name, private, &module.values, function);
+    let function = free_function(&function_name(role), &names.private, &module.values, function);
     quote! { #doc #function }
 }
 
@@ -27,7 +32,6 @@ pub(super) fn call(
     program: &Program,
     names: &Names,
     role: SystemRole,
-    name: &str,
     others: &[(Input, TokenStream)],
 ) -> TokenStream {
     let private = &names.private;
@@ -49,7 +53,7 @@ pub(super) fn call(
         let other = others.iter().find(|(input, _)| *input == argument.input);
         other.map_or_else(|| usual(argument.input, argument.values.len()), |(_, other)| other.clone())
     });
-    let name = format_ident!("{name}");
+    let name = format_ident!("{}", function_name(role));
     quote! { #name(#(#arguments),*) }
 }
 

@@ -13,33 +13,21 @@ use crate::scheme::Retraction;
 pub(super) fn geometry(program: &Program, names: &Names) -> TokenStream {
     let Names { private, system: name, state, scalar, .. } = names;
     let count = size(program.interface.state_perturbation());
-    let others = [
-        (SystemRole::Differential, "differential"),
-        (SystemRole::HamiltonianVector, "vector"),
-        (SystemRole::Force, "force"),
-    ];
-    let functions = Retraction::ALL.map(|retraction| {
-        function(program, private, SystemRole::Displacement(retraction), &retraction.snake_name())
-    });
-    let functions =
-        functions.into_iter().chain(others.map(|(role, name)| function(program, private, role, name)));
-    let called = |role, name: &str| call(program, names, role, name, &[]);
+    let others = [SystemRole::Differential, SystemRole::HamiltonianVector, SystemRole::Force];
+    let functions = Retraction::ALL.map(SystemRole::Displacement).into_iter().chain(others);
+    let functions = functions.map(|role| function(program, names, role));
+    let called = |role| call(program, names, role, &[]);
     // what the program does not have is displaced by the exponential
     let displaced = Retraction::ALL.map(|retraction| {
         let is_there = program.function(SystemRole::Displacement(retraction)).is_some();
         let along = if is_there { retraction } else { Retraction::Exponential };
-        called(SystemRole::Displacement(along), &along.snake_name())
+        called(SystemRole::Displacement(along))
     });
     let maps = Retraction::ALL.map(|retraction| format_ident!("{}", retraction.name()));
-    let differential = called(SystemRole::Differential, "differential");
-    let vector = call(
-        program,
-        names,
-        SystemRole::HamiltonianVector,
-        "vector",
-        &[(Input::Tangent, quote! { covector })],
-    );
-    let force = called(SystemRole::Force, "force");
+    let differential = called(SystemRole::Differential);
+    let covector = [(Input::Tangent, quote! { covector })];
+    let vector = call(program, names, SystemRole::HamiltonianVector, &covector);
+    let force = called(SystemRole::Force);
     let isolated = isolated(program, names);
     quote! {
         #[allow(unused_variables, clippy::all, clippy::pedantic)]
@@ -99,8 +87,8 @@ fn isolated(program: &Program, names: &Names) -> Option<TokenStream> {
     let (to_conserved, from_conserved) =
         (arguments(SystemRole::Conserved)?, arguments(SystemRole::WithConserved)?);
     let (all, n) = (size(program.interface.state_length()), size(program.interface.dimension));
-    let conserved = function(program, private, SystemRole::Conserved, "conserved");
-    let with_conserved = function(program, private, SystemRole::WithConserved, "with_conserved");
+    let conserved = function(program, names, SystemRole::Conserved);
+    let with_conserved = function(program, names, SystemRole::WithConserved);
     Some(quote! {
         #conserved
         #with_conserved

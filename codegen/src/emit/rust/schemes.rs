@@ -66,23 +66,27 @@ pub(super) fn schemes(names: &Names, steps: &[StepProgram]) -> TokenStream {
             >(visitor)
         }
     });
-    let linearized: Vec<_> = linearized.collect();
-    // by default there are none
-    let linearized = (!linearized.is_empty()).then(|| {
+    let visit = |name: &str, visitor: &str, arms: Vec<TokenStream>| {
+        let [name, visitor] = [name, visitor].map(|name| format_ident!("{name}"));
         quote! {
             #[inline]
-            fn visit_linearized<V: #private::LinearizedVisitor<Self>>(
+            fn #name<V: #private::#visitor<Self>>(
                 map: #private::Map,
                 rule: #private::Rule,
                 visitor: V,
             ) -> ::core::option::Option<V::Output> {
                 ::core::option::Option::Some(match (map, rule) {
-                    #(#linearized,)*
+                    #(#arms,)*
                     _ => return ::core::option::Option::None,
                 })
             }
         }
-    });
+    };
+    let linearized: Vec<TokenStream> = linearized.collect();
+    // by default there are none
+    let linearized =
+        (!linearized.is_empty()).then(|| visit("visit_linearized", "LinearizedVisitor", linearized));
+    let visit = visit("visit", "Visitor", arms.collect());
     let schemes = quote! {
         #(#retracted)*
 
@@ -93,17 +97,7 @@ pub(super) fn schemes(names: &Names, steps: &[StepProgram]) -> TokenStream {
 
         #[automatically_derived]
         impl #private::Schemes for #system {
-            #[inline]
-            fn visit<V: #private::Visitor<Self>>(
-                map: #private::Map,
-                rule: #private::Rule,
-                visitor: V,
-            ) -> ::core::option::Option<V::Output> {
-                ::core::option::Option::Some(match (map, rule) {
-                    #(#arms,)*
-                    _ => return ::core::option::Option::None,
-                })
-            }
+            #visit
         }
     };
     block(&schemes)

@@ -33,7 +33,7 @@ pub(super) fn state(program: &Program, names: &Names) -> TokenStream {
         quote! { __Stored::<_, #size>::deviation(&self.#place, 0.0) }
     });
     let of_matrices = program.function(SystemRole::Deviation).map(|_| {
-        let function = function(program, private, SystemRole::Deviation, "off");
+        let function = function(program, names, SystemRole::Deviation);
         quote! {
             #[allow(clippy::all, clippy::pedantic)]
             #function

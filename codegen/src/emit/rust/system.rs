@@ -14,21 +14,18 @@ use crate::quantity::{Role, Side};
 /// `impl System for HeavyTop { … }` and the functions it calls.
 pub(super) fn system(program: &Program, names: &Names) -> TokenStream {
     let Names { private, system: name, .. } = names;
-    let functions = [
-        ("energy", SystemRole::Energy),
-        ("velocity", SystemRole::Velocity),
-        ("velocity_newton", SystemRole::VelocityNewton),
-        ("momentum", SystemRole::Momentum),
-        ("momentum_newton", SystemRole::MomentumNewton),
-        ("casimirs", SystemRole::Casimirs),
-        ("spatial_momentum", SystemRole::SpatialMomentum),
-    ];
-    let functions = functions.map(|(name, role)| function(program, private, role, name));
     let interface = &program.interface;
-    let pivots = (0..interface.inertias.len()).map(|place| {
-        let role = SystemRole::Pivots(place);
-        function(program, private, role, &role.name())
-    });
+    let functions = [
+        SystemRole::Energy,
+        SystemRole::Velocity,
+        SystemRole::VelocityNewton,
+        SystemRole::Momentum,
+        SystemRole::MomentumNewton,
+        SystemRole::Casimirs,
+        SystemRole::SpatialMomentum,
+    ];
+    let pivots = (0..interface.inertias.len()).map(SystemRole::Pivots);
+    let functions = functions.into_iter().chain(pivots).map(|role| function(program, names, role));
     let (types, parameters) = (types(interface, names), parameters(interface, names));
     let (validate, evaluations) = (validate(interface, names), evaluations(program, names));
     quote! {
@@ -37,7 +34,6 @@ pub(super) fn system(program: &Program, names: &Names) -> TokenStream {
             use #private::Stored as __Stored;
 
             #(#functions)*
-            #(#pivots)*
 
             #[automatically_derived]
             impl #private::System for #name {
@@ -158,9 +154,9 @@ fn evaluations(program: &Program, names: &Names) -> TokenStream {
     let interface = &program.interface;
     let (casimirs, dimension) = (size(interface.casimirs.len()), size(interface.dimension));
     let momentum = quote! { #private::nalgebra::SVector<#scalar, #dimension> };
-    let energy = call(program, names, SystemRole::Energy, "energy", &[]);
-    let conserved = call(program, names, SystemRole::Casimirs, "casimirs", &[]);
-    let spatial_momentum = call(program, names, SystemRole::SpatialMomentum, "spatial_momentum", &[]);
+    let energy = call(program, names, SystemRole::Energy, &[]);
+    let conserved = call(program, names, SystemRole::Casimirs, &[]);
+    let spatial_momentum = call(program, names, SystemRole::SpatialMomentum, &[]);
     let legendre = legendre(program, names);
     quote! {
         fn energy_at(&self, state: &#state, time: #scalar, control: &Self::Control) -> #scalar {
@@ -186,15 +182,15 @@ fn legendre(program: &Program, names: &Names) -> TokenStream {
     let dimension = size(program.interface.dimension);
     let given = (Input::Velocity, quote! { &__Stored::<_, #dimension>::to_array(velocity) });
     let velocity_of_momentum = match program.interface.velocity {
-        Transform::Explicit => call(program, names, SystemRole::Velocity, "velocity", &[]),
+        Transform::Explicit => call(program, names, SystemRole::Velocity, &[]),
         Transform::Newton | Transform::Singular => {
             let iterate = (Input::Velocity, quote! { velocity });
-            let newton = call(program, names, SystemRole::VelocityNewton, "velocity_newton", &[iterate]);
+            let newton = call(program, names, SystemRole::VelocityNewton, &[iterate]);
             quote! { #private::newton([0.0; #dimension], |velocity| #newton) }
         }
     };
     let momentum_of_velocity = match program.interface.momentum {
-        Transform::Explicit => call(program, names, SystemRole::Momentum, "momentum", &[given]),
+        Transform::Explicit => call(program, names, SystemRole::Momentum, &[given]),
         Transform::Singular => quote! { [#scalar::NAN; #dimension] },
         Transform::Newton => {
             let iterate = quote! {
@@ -203,7 +199,7 @@ fn legendre(program: &Program, names: &Names) -> TokenStream {
                 )
             };
             let others = [given, (Input::State, iterate)];
-            let newton = call(program, names, SystemRole::MomentumNewton, "momentum_newton", &others);
+            let newton = call(program, names, SystemRole::MomentumNewton, &others);
             quote! { #private::newton([0.0; #dimension], |momentum| #newton) }
         }
     };

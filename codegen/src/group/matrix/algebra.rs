@@ -67,16 +67,11 @@ impl Algebra {
     /// The matrices of `ad_{E_1}, …`
     pub(super) fn adjoint(&self) -> Vec<RationalMatrix> {
         let d = self.dimension();
-        let of = |i: usize| {
-            let mut matrix = RationalMatrix::zero(d, d);
-            for j in 0..d {
-                for (k, c) in self.structure.bracket(i, j) {
-                    matrix.entries[k * d + j] = Rational::from(*c);
-                }
-            }
-            matrix
+        let entry = |i: usize, k: usize, j: usize| {
+            let constant = self.structure.bracket(i, j).iter().find(|(row, _)| *row == k);
+            constant.map_or(Rational::zero(), |&(_, constant)| Rational::from(constant))
         };
-        (0..d).map(of).collect()
+        (0..d).map(|i| RationalMatrix::from_fn(d, d, |k, j| entry(i, k, j))).collect()
     }
 
     /// Whether the Cayley map stays on the group: `E_i E_j E_k + E_k E_j E_i` is in the algebra for all `i`, `j`, `k`.
@@ -155,11 +150,9 @@ fn structure(basis: &[RationalMatrix], readout: &Readout) -> Result<Structure, B
         for (j, second) in basis.iter().enumerate() {
             let bracket = first.commutator(second);
             let coordinates = readout.coordinates(basis, &bracket)?.ok_or(BasisError::NotClosed(i, j))?;
-            let mut row = Vec::new();
-            for (k, c) in coordinates.into_iter().enumerate().filter(|(_, c)| !c.is_zero()) {
-                row.push((k, c.ratio().ok_or(BasisError::TooLarge)?));
-            }
-            constants.push(row);
+            let filled = coordinates.into_iter().enumerate().filter(|(_, c)| !c.is_zero());
+            let row = filled.map(|(k, c)| Ok((k, c.ratio().ok_or(BasisError::TooLarge)?)));
+            constants.push(row.collect::<Result<Vec<_>, BasisError>>()?);
         }
     }
     Ok(Structure::new(d, |i, j| constants[i * d + j].clone()))
@@ -223,11 +216,8 @@ fn weighted<'a>(coefficients: &[Rational], x: &Vector<'a>) -> Expr<'a> {
 }
 
 pub(super) fn symbolic<'a>(arena: &'a Arena, matrix: &RationalMatrix) -> Matrix<'a> {
-    Matrix::new(
-        matrix.rows,
-        matrix.columns,
-        matrix.entries.iter().map(|&e| arena.number(number(e))).collect(),
-    )
+    let entries = matrix.entries.iter().map(|&entry| arena.number(number(entry)));
+    Matrix::new(matrix.rows, matrix.columns, entries.collect())
 }
 
 pub(super) fn number(fraction: Rational) -> Number {

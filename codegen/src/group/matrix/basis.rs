@@ -34,15 +34,17 @@ impl Basis {
         if matrices.is_empty() || !is_square {
             return Err(BasisError::Shape);
         }
-        let exact = |entries: &[i64]| {
-            RationalMatrix::from_fn(size, size, |i, j| Rational::from(i128::from(entries[i * size + j])))
+        let exact = |entries: &Vec<i64>| {
+            let entries = entries.iter().map(|&entry| Rational::from(i128::from(entry)));
+            RationalMatrix::new(size, size, entries.collect())
         };
-        Ok(Self {
-            axes: matrices.iter().map(|(name, _)| name.clone()).collect(),
-            matrices: matrices.iter().map(|(_, entries)| exact(entries)).collect(),
-            blocks: vec![matrices.len()],
-            parts: Vec::new(),
-        })
+        let (axes, matrices) = matrices.iter().map(|(name, entries)| (name.clone(), exact(entries))).unzip();
+        Ok(Self::of(axes, matrices))
+    }
+
+    /// One block without a name.
+    fn of(axes: Vec<String>, matrices: Vec<RationalMatrix>) -> Self {
+        Self { blocks: vec![axes.len()], axes, matrices, parts: Vec::new() }
     }
 
     /// The matrices by which an algebra with these axes acts on columns of so many numbers; none if they are not exact.
@@ -52,8 +54,7 @@ impl Basis {
         action: impl for<'a> Fn(&Vector<'a>, &Vector<'a>) -> Vector<'a>,
     ) -> Option<Self> {
         let matrices = matrices_of_action(axes.len(), rows, action)?;
-        let axes: Vec<String> = axes.iter().map(|&axis| axis.to_owned()).collect();
-        Some(Self { blocks: vec![axes.len()], axes, matrices, parts: Vec::new() })
+        Some(Self::of(axes.iter().map(|&axis| axis.to_owned()).collect(), matrices))
     }
 
     /// The same with blocks of these lengths, each with a unit of its own.
@@ -67,15 +68,13 @@ impl Basis {
     /// # Errors
     /// [`BasisError::TooLarge`], before anything is made.
     pub fn product(factors: &[(String, Self)]) -> Result<Self, BasisError> {
-        let sizes = factors.iter().map(|(_, basis)| basis.size());
-        let ranges = consecutive(sizes);
+        let ranges = consecutive(factors.iter().map(|(_, basis)| basis.size()));
         let size = ranges.last().map_or(0, |range| range.end);
         bounded(factors.iter().map(|(_, basis)| basis.dimension()).sum(), size)?;
-        let mut product =
-            Self { axes: Vec::new(), matrices: Vec::new(), blocks: Vec::new(), parts: Vec::new() };
+        let mut product = Self { blocks: Vec::new(), ..Self::of(Vec::new(), Vec::new()) };
         for ((name, factor), rows) in factors.iter().zip(&ranges) {
             product.axes.extend(factor.axes.iter().map(|axis| format!("{name}_{axis}")));
-            let placed = |matrix: &RationalMatrix| placed(size, [(rows.start, rows.start, matrix)]);
+            let placed = |matrix| RationalMatrix::placed(size, [(rows.start, rows.start, matrix)]);
             product.matrices.extend(factor.matrices.iter().map(placed));
             product.blocks.extend(&factor.blocks);
             product.parts.extend(factor.parts_within(name));
@@ -119,7 +118,7 @@ impl Basis {
         bounded(self.dimension() + of_spaces, size)?;
         let starts = || kinds.iter().zip(&ranges).map(|((rho, _), range)| (rho, range.start));
         let of_group = (0..self.matrices.len())
-            .map(|i| placed(size, starts().map(|(rho, start)| (start, start, &rho[i])).collect::<Vec<_>>()));
+            .map(|i| RationalMatrix::placed(size, starts().map(|(rho, start)| (start, start, &rho[i]))));
         let mut product = Self {
             axes: self.axes.clone(),
             matrices: of_group.collect(),
@@ -134,8 +133,7 @@ impl Basis {
         for ((name, space), (kind, column)) in spaces.iter().zip(places.into_values()) {
             let (start, n) = (ranges[kind].start, space.coordinates().len());
             let along = |i: usize| {
-                let one = (start + i, start + n + column);
-                RationalMatrix::from_fn(size, size, |r, c| Rational::from(i128::from((r, c) == one)))
+                RationalMatrix::placed(size, [(start + i, start + n + column, &RationalMatrix::identity(1))])
             };
             product.matrices.extend((0..n).map(along));
             product.axes.extend(space.coordinates().iter().map(|axis| format!("{name}_{axis}")));
@@ -152,8 +150,8 @@ impl Basis {
     pub fn tangent(&self) -> Result<Self, BasisError> {
         let n = self.size();
         bounded(2 * self.dimension(), 2 * n)?;
-        let base = self.matrices.iter().map(|e| placed(2 * n, [(0, 0, e), (n, n, e)]));
-        let tangent = self.matrices.iter().map(|e| placed(2 * n, [(0, n, e)]));
+        let base = self.matrices.iter().map(|e| e.beside(e));
+        let tangent = self.matrices.iter().map(|e| RationalMatrix::placed(2 * n, [(0, n, e)]));
         let tangent_axes = self.axes.iter().map(|axis| format!("tangent_{axis}"));
         let parts = match self.parts.as_slice() {
             [] => numbered("base", self.blocks.len()),
@@ -190,22 +188,6 @@ fn numbered(name: &str, count: usize) -> Vec<String> {
         1 => vec![name.to_owned()],
         _ => (1..=count).map(|i| format!("{name}_{i}")).collect(),
     }
-}
-
-/// A matrix of `size` rows with these blocks at these places.
-fn placed<'m>(
-    size: usize,
-    blocks: impl IntoIterator<Item = (usize, usize, &'m RationalMatrix)>,
-) -> RationalMatrix {
-    let mut whole = RationalMatrix::zero(size, size);
-    for (row, column, block) in blocks {
-        for i in 0..block.rows {
-            for j in 0..block.columns {
-                whole.entries[(row + i) * size + column + j] = block.at(i, j);
-            }
-        }
-    }
-    whole
 }
 
 /// Whether a representation is zero for zero alone.

@@ -16,7 +16,7 @@ use std::sync::Arc;
 use crate::expr::{DerivativeRule, Expr, Matrix, Number, Vector};
 use crate::group::exact::{Rational, RationalMatrix};
 
-use super::algebra::{Algebra, combination, symbolic};
+use super::algebra::{Algebra, combination};
 use super::constraints::InvariantForm;
 
 /// The map, with all that it is made of.
@@ -42,11 +42,7 @@ impl Cayley {
     /// `S = (1 + X/2)⁻¹`, from `R` by the form where there is one: `X J = −J Xᵀ`.
     fn other_resolvent<'a>(&self, x: &Vector<'a>, resolvent: &Matrix<'a>) -> Matrix<'a> {
         match &self.form {
-            Some(form) if form.is_regular => {
-                let arena = x.0[0].arena();
-                let (j, inverse) = (symbolic(arena, &form.matrix), symbolic(arena, &form.inverse));
-                j.times_matrix(&resolvent.transpose()).times_matrix(&inverse)
-            }
+            Some(form) if form.is_regular => form.adjoint(resolvent),
             _ => self.algebra.one_plus(x, Number::ratio(1, 2)).inverse().map(Expr::hold),
         }
     }
@@ -94,13 +90,13 @@ impl DerivativeRule for Cayley {
 fn covectors(algebra: &Algebra, form: &InvariantForm) -> Option<Vec<RationalMatrix>> {
     let (n, d) = (algebra.size(), algebra.dimension());
     let transposed = form.matrix.transpose();
-    let minus = RationalMatrix::zero(n, n).plus(&transposed, -Rational::one());
+    let minus = transposed.scaled(-Rational::one());
     let is_all =
         form.matrix == transposed && 2 * d == n * (n - 1) || form.matrix == minus && 2 * d == n * (n + 1);
     let project = |covector: RationalMatrix| {
         let image = form.inverse.times(&covector.transpose()).times(&form.matrix);
         let half = Rational::new(1, 2);
-        RationalMatrix::zero(n, n).plus(&covector, half).plus(&image, -half)
+        covector.scaled(half).plus(&image, -half)
     };
     (form.is_regular && is_all).then(|| algebra.covectors().into_iter().map(project).collect())
 }

@@ -1,7 +1,7 @@
 //! What all elements of a group of matrices have in common: linear relations between their entries, and forms that they
 //! keep.
 
-use super::algebra::number;
+use super::algebra::{number, symbolic};
 use crate::expr::{Matrix, Vector};
 use crate::group::exact::{Rational, RationalMatrix};
 
@@ -47,7 +47,7 @@ impl AssociativeEnvelope {
         let mut rest = matrix.entries.clone();
         for (pivot, row) in &self.rows {
             let factor = rest[*pivot];
-            rest.iter_mut().zip(row).for_each(|(entry, &x)| *entry -= factor * x);
+            rest.iter_mut().zip(row).for_each(|(entry, &x)| *entry = *entry - factor * x);
         }
         rest.iter().all(Rational::is_zero)
     }
@@ -103,6 +103,13 @@ impl InvariantForm {
         self.matrix.is_exact() && self.inverse.is_exact()
     }
 
+    /// `J Aᵀ J⁻¹`
+    pub(super) fn adjoint<'a>(&self, a: &Matrix<'a>) -> Matrix<'a> {
+        let arena = a.entries[0].arena();
+        let (j, inverse) = (symbolic(arena, &self.matrix), symbolic(arena, &self.inverse));
+        j.times_matrix(&a.transpose()).times_matrix(&inverse)
+    }
+
     /// Both, which act on different rows.
     fn beside(&self, other: &Self) -> Self {
         let matrix = self.matrix.plus(&other.matrix, Rational::one());
@@ -138,13 +145,12 @@ impl InvariantForm {
                     .collect()
             })
             .collect();
-        let equations = RationalMatrix::from_fn(columns.first()?.len(), columns.len(), |i, j| columns[j][i]);
+        columns.first()?;
+        let equations = RationalMatrix::from_columns(&columns);
+        let forms: Vec<RationalMatrix> =
+            equations.kernel().iter().map(|kernel| RationalMatrix::combination(&units, kernel)).collect();
         let zero = RationalMatrix::zero(n, n);
-        let combine = |coefficients: &[Rational]| {
-            units.iter().zip(coefficients).fold(zero.clone(), |sum, (unit, c)| sum.plus(unit, *c))
-        };
-        let forms: Vec<RationalMatrix> = equations.kernel().iter().map(|kernel| combine(kernel)).collect();
-        let all = forms.iter().fold(zero.clone(), |sum, form| sum.plus(form, Rational::one()));
+        let all = forms.iter().fold(zero, |sum, form| sum.plus(form, Rational::one()));
         forms.into_iter().chain([all]).rev().find_map(|form| Self::with(form, n))
     }
 
@@ -155,18 +161,12 @@ impl InvariantForm {
         if rows.is_empty() {
             return None;
         }
-        let block = RationalMatrix::from_fn(rows.len(), rows.len(), |i, j| matrix.at(rows[i], rows[j]));
-        let block_inverse = block.inverse()?;
-        let place = |i: usize| rows.iter().position(|&row| row == i);
-        let inverse = RationalMatrix::from_fn(n, n, |i, j| match (place(i), place(j)) {
-            (Some(i), Some(j)) => block_inverse.at(i, j),
-            _ => Rational::zero(),
-        });
+        let block = matrix.block(&rows);
+        let inverse = block.inverse()?.embedded(n, &rows);
         let definite =
             |block: &RationalMatrix| block.transpose() == *block && block.is_positive_semidefinite();
-        let negative = RationalMatrix::from_fn(block.rows, block.rows, |i, j| -block.at(i, j));
         let is_regular = rows.len() == n;
-        let is_definite = is_regular && (definite(&block) || definite(&negative));
+        let is_definite = is_regular && (definite(&block) || definite(&block.map(|entry| -entry)));
         Some(Self { matrix, inverse, is_regular, is_definite })
     }
 }

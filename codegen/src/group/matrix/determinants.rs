@@ -57,7 +57,7 @@ impl Determinant {
         form: Option<&InvariantForm>,
     ) -> Option<Self> {
         let n = basis[0].rows;
-        let unit = RationalMatrix::from_fn(n, n, |i, j| i128::from(i == j && rows.contains(&i)).into());
+        let unit = RationalMatrix::identity(rows.len()).embedded(n, &rows);
         let others: Vec<usize> = (0..n).filter(|i| !rows.contains(i)).collect();
         let is_zero = |from: &[usize], to: &[usize]| {
             basis.iter().all(|e| from.iter().all(|&j| to.iter().all(|&i| e.at(i, j).is_zero())))
@@ -89,11 +89,7 @@ impl Determinant {
     /// The determinant less 1, as one number or as real and imaginary part.
     pub(super) fn deviation<'a>(&self, g: &Matrix<'a>) -> Vec<Expr<'a>> {
         let n = self.rows.len();
-        let block = Matrix::new(
-            n,
-            n,
-            self.rows.iter().flat_map(|&i| self.rows.iter().map(move |&j| g.at(i, j))).collect(),
-        );
+        let block = g.block(&self.rows);
         let Some(ImaginaryUnit { basis, inverse, .. }) = &self.imaginary_unit else {
             return vec![block.determinant() - 1];
         };
@@ -145,11 +141,9 @@ impl ImaginaryUnit {
         if size % 2 != 0 || 2 * count > size * size {
             return None;
         }
-        let element =
-            |r: usize| RationalMatrix { rows: size, columns: size, entries: blocks.row(r).to_vec() };
+        let element = |r: usize| RationalMatrix::new(size, size, blocks.row(r).to_vec());
         let elements: Vec<RationalMatrix> = (0..count).map(element).collect();
-        let block = |e: &RationalMatrix| RationalMatrix::from_fn(size, size, |i, j| e.at(rows[i], rows[j]));
-        let of_basis: Vec<RationalMatrix> = basis.iter().map(block).collect();
+        let of_basis: Vec<RationalMatrix> = basis.iter().map(|e| e.block(rows)).collect();
         let commutators =
             |element: &RationalMatrix| of_basis.iter().flat_map(|e| element.commutator(e).entries).collect();
         let centre =
@@ -157,15 +151,13 @@ impl ImaginaryUnit {
         // 1 and the unit, or a sum of both
         let [first, second] = centre.as_slice() else { return None };
         let without_trace = |solution: &Vec<Rational>| {
-            let terms = elements.iter().zip(solution);
-            let element = terms
-                .fold(RationalMatrix::zero(size, size), |sum, (element, &factor)| sum.plus(element, factor));
+            let element = RationalMatrix::combination(&elements, solution);
             let share = element.trace() / (size as i128).into();
             element.plus(&RationalMatrix::identity(size), -share)
         };
         let multiple = [first, second].map(without_trace).into_iter().find(|element| !element.is_zero())?;
         let root = (-multiple.times(&multiple).at(0, 0)).square_root()?;
-        let unit = RationalMatrix::zero(size, size).plus(&multiple, Rational::one() / root);
+        let unit = multiple.scaled(Rational::one() / root);
         if !unit.times(&unit).plus(&RationalMatrix::identity(size), Rational::one()).is_zero() {
             return None;
         }
@@ -177,14 +169,9 @@ impl ImaginaryUnit {
                 columns = more;
             }
         }
-        let place = |i: usize| rows.iter().position(|&row| row == i);
-        let matrix = RationalMatrix::from_fn(n, n, |i, j| match (place(i), place(j)) {
-            (Some(i), Some(j)) => unit.at(i, j),
-            _ => Rational::zero(),
-        });
         let basis = RationalMatrix::from_columns(&columns);
         let inverse = basis.inverse().filter(RationalMatrix::is_exact)?;
-        Some(Self { matrix, basis, inverse })
+        Some(Self { matrix: unit.embedded(n, rows), basis, inverse })
     }
 }
 

@@ -34,7 +34,9 @@ impl Ideal {
         let new = |vectors: RationalMatrix, coordinates: RationalMatrix| {
             let on_itself = |matrix: &RationalMatrix| coordinates.times(matrix).times(&vectors);
             let along = |matrices: &[RationalMatrix]| -> Vec<RationalMatrix> {
-                (0..vectors.columns).map(|j| combined(matrices, &vectors.column(j))).collect()
+                (0..vectors.columns)
+                    .map(|j| RationalMatrix::combination(matrices, &vectors.column(j)))
+                    .collect()
             };
             let adjoint = along(&adjoint).iter().map(on_itself).collect();
             let matrix = LinearMatrix::new(along(&algebra.basis), terms);
@@ -102,12 +104,6 @@ impl Ideal {
     }
 }
 
-/// `Σ xᵢ Aᵢ`
-fn combined(matrices: &[RationalMatrix], x: &[Rational]) -> RationalMatrix {
-    let zero = RationalMatrix::zero(matrices[0].rows, matrices[0].columns);
-    matrices.iter().zip(x).filter(|(_, x)| !x.is_zero()).fold(zero, |sum, (matrix, x)| sum.plus(matrix, *x))
-}
-
 /// Bases of ideals that make up the algebra with these `ad`, as small as eigenvalues in fractions tell them.
 fn split(adjoint: &[RationalMatrix]) -> Vec<Vec<Vec<Rational>>> {
     let d = adjoint.len();
@@ -117,13 +113,14 @@ fn split(adjoint: &[RationalMatrix]) -> Vec<Vec<Vec<Rational>>> {
         let all: Vec<Vec<Rational>> = spaces.concat();
         let inverse = RationalMatrix::from_columns(&all).inverse().filter(RationalMatrix::is_exact);
         let Some(inverse) = inverse.filter(|_| spaces.len() > 1) else { continue };
-        let mut from = 0;
+        let rows = consecutive(spaces.iter().map(Vec::len));
         let mut ideals = Vec::new();
-        for space in spaces {
+        for (space, rows) in spaces.into_iter().zip(rows) {
             let vectors = RationalMatrix::from_columns(&space);
-            let coordinates = RationalMatrix::from_fn(space.len(), d, |i, j| inverse.at(from + i, j));
-            from += space.len();
-            let of = |vector: &Vec<Rational>| coordinates.times(&combined(adjoint, vector)).times(&vectors);
+            let coordinates = RationalMatrix::from_fn(space.len(), d, |i, j| inverse.at(rows.start + i, j));
+            let of = |vector: &Vec<Rational>| {
+                coordinates.times(&RationalMatrix::combination(adjoint, vector)).times(&vectors)
+            };
             let own: Vec<RationalMatrix> = space.iter().map(of).collect();
             let in_the_whole =
                 |part: Vec<Rational>| vectors.times(&RationalMatrix::from_columns(&[part])).entries;
@@ -143,7 +140,7 @@ fn centroid(adjoint: &[RationalMatrix]) -> Vec<RationalMatrix> {
     adjoint.iter().fold(all, |maps: Vec<RationalMatrix>, ad| {
         let columns: Vec<_> = maps.iter().map(|map| map.commutator(ad).entries).collect();
         let kernel = RationalMatrix::from_columns(&columns).kernel();
-        kernel.iter().map(|coefficients| combined(&maps, coefficients)).collect()
+        kernel.iter().map(|coefficients| RationalMatrix::combination(&maps, coefficients)).collect()
     })
 }
 

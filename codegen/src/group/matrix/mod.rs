@@ -297,12 +297,9 @@ impl Group for MatrixGroup {
     }
 
     fn inverse<'a>(&self, g: &Vector<'a>) -> Vector<'a> {
-        let (arena, g) = (g.0[0].arena(), self.hull.matrix(g));
+        let g = self.hull.matrix(g);
         let inverse = match &self.form {
-            Some(form) if form.is_regular => {
-                let (j, back) = (symbolic(arena, &form.matrix), symbolic(arena, &form.inverse));
-                j.times_matrix(&g.transpose()).times_matrix(&back)
-            }
+            Some(form) if form.is_regular => form.adjoint(&g),
             _ => g.inverse(),
         };
         Vector(self.hull.matrix(&Vector(inverse.entries)).entries)

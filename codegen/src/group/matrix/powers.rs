@@ -17,36 +17,26 @@ const MULTIPLICITY: usize = 4;
 #[derive(Clone, Debug)]
 pub(super) struct LinearMatrix {
     matrices: Vec<RationalMatrix>,
-    powers: Powers,
-}
-
-/// How power series are summed.
-#[derive(Clone, Debug)]
-enum Powers {
-    /// As finite sums.
-    Closed(Annihilator),
-    /// So many terms of them.
-    Series(usize),
+    /// By which they are finite sums.
+    annihilator: Option<Annihilator>,
+    /// How many terms of them, where they are not.
+    terms: usize,
 }
 
 impl LinearMatrix {
     pub(super) fn new(matrices: Vec<RationalMatrix>, terms: usize) -> Self {
-        let powers = Annihilator::of(&matrices).map_or(Powers::Series(terms), Powers::Closed);
-        Self { matrices, powers }
+        let annihilator = Annihilator::of(&matrices);
+        Self { matrices, annihilator, terms }
     }
 
     /// The same with so many terms where it is not closed.
     pub(super) fn with_terms(&self, terms: usize) -> Self {
-        let powers = match &self.powers {
-            Powers::Closed(annihilator) => Powers::Closed(annihilator.clone()),
-            Powers::Series(_) => Powers::Series(terms),
-        };
-        Self { matrices: self.matrices.clone(), powers }
+        Self { terms, ..self.clone() }
     }
 
     /// Whether its power series are finite sums.
     pub(super) fn is_closed(&self) -> bool {
-        matches!(self.powers, Powers::Closed(_))
+        self.annihilator.is_some()
     }
 
     /// `A(x)`
@@ -56,27 +46,34 @@ impl LinearMatrix {
 
     /// `Σ_k Aᵏ v / (k + shift)!`
     pub(super) fn series<'a>(&self, x: &Vector<'a>, shift: u32, v: &Vector<'a>) -> Vector<'a> {
-        let matrix = self.at(x);
-        self.powers.series(x, shift, v, &|v| matrix.times(v))
+        self.summed(&self.at(x), x, shift, v)
     }
 
     /// `Σ_k (Aᵀ)ᵏ m / (k + shift)!`
     pub(super) fn transposed_series<'a>(&self, x: &Vector<'a>, shift: u32, m: &Vector<'a>) -> Vector<'a> {
-        let matrix = self.at(x).transpose();
-        self.powers.series(x, shift, m, &|m| matrix.times(m))
+        self.summed(&self.at(x).transpose(), x, shift, m)
+    }
+
+    fn summed<'a>(&self, matrix: &Matrix<'a>, x: &Vector<'a>, shift: u32, v: &Vector<'a>) -> Vector<'a> {
+        if let Some(annihilator) = &self.annihilator {
+            return annihilator.sum(matrix, x, shift, v);
+        }
+        // v + A/(s+1) (v + A/(s+2) (v + …)), over s!
+        let sum = (1..=self.terms as u32).rev().fold(v.clone(), |sum, k| {
+            let next = matrix.times(&sum).map(|entry| entry.scale(Number::ratio(1, i128::from(k + shift))));
+            (v + &next).hold()
+        });
+        sum.map(|entry| entry.scale(reciprocal_factorial(shift)))
     }
 
     /// `z`, where it has the eigenvalues `±√−z`, if others than zero.
     pub(super) fn argument<'a>(&self, x: &Vector<'a>) -> Option<Expr<'a>> {
-        match &self.powers {
-            Powers::Closed(annihilator) => annihilator.argument(x),
-            Powers::Series(_) => None,
-        }
+        self.annihilator.as_ref()?.argument(x)
     }
 
     /// Whether it never has a real eigenvalue but zero.
     pub(super) fn is_elliptic(&self) -> bool {
-        matches!(&self.powers, Powers::Closed(annihilator) if annihilator.is_elliptic())
+        self.annihilator.as_ref().is_some_and(Annihilator::is_elliptic)
     }
 
     /// `|A(x)|²`, in Frobenius' norm.
@@ -92,11 +89,8 @@ impl LinearMatrix {
 
     /// Whether no number has grown too large.
     pub(super) fn is_exact(&self) -> bool {
-        let quadratic = match &self.powers {
-            Powers::Closed(Annihilator { quadratic: Some(quadratic), .. }) => quadratic.is_exact(),
-            _ => true,
-        };
-        quadratic && self.frobenius().is_exact()
+        let quadratic = self.annihilator.as_ref().and_then(|annihilator| annihilator.quadratic.as_ref());
+        quadratic.is_none_or(RationalMatrix::is_exact) && self.frobenius().is_exact()
     }
 }
 
@@ -119,9 +113,8 @@ impl Annihilator {
         const POINTS: [[i128; 5]; 2] = [[3, -7, 11, 2, -5], [-1, 4, 9, -13, 6]];
         let n = matrices[0].rows;
         let at = |point: &[i128; 5]| {
-            matrices.iter().enumerate().fold(RationalMatrix::zero(n, n), |sum, (i, e)| {
-                sum.plus(e, Rational::from(point[i % 5] + 17 * (i / 5) as i128))
-            })
+            let component = |i: usize| Rational::from(point[i % 5] + 17 * (i / 5) as i128);
+            RationalMatrix::combination(matrices, &(0..matrices.len()).map(component).collect::<Vec<_>>())
         };
         // what annihilates a vector like any other annihilates all of them
         let vector = RationalMatrix::from_fn(n, 1, |i, _| {
@@ -159,29 +152,23 @@ impl Annihilator {
         Some(quadratic(self.quadratic.as_ref()?, x))
     }
 
-    /// `Σ_k Aᵏ v / (k + shift)!` for a linear map `A` that it annihilates.
-    fn sum<'a>(
-        &self,
-        x: &Vector<'a>,
-        shift: u32,
-        v: &Vector<'a>,
-        map: &dyn Fn(&Vector<'a>) -> Vector<'a>,
-    ) -> Vector<'a> {
+    /// `Σ_k Aᵏ v / (k + shift)!` for a matrix `A` that it annihilates.
+    fn sum<'a>(&self, a: &Matrix<'a>, x: &Vector<'a>, shift: u32, v: &Vector<'a>) -> Vector<'a> {
         let mut power = v.clone();
         let mut sum = Vector::zeros(x.0[0].arena(), v.len());
         for k in 0..self.power {
             sum = &sum + &power.map(|entry| entry.scale(reciprocal_factorial(k as u32 + shift)));
-            power = map(&power);
+            power = a.times(&power);
         }
         let Some(z) = self.argument(x) else { return sum };
         // A^{k+2j} = Aᵏ (N − z)ʲ with N = A² + z, of which the q-th power is zero on Aᵏ: Taylor's series of the Stumpff
         // function
         for k in [self.power as u32 + shift, self.power as u32 + shift + 1] {
-            let next = map(&power);
+            let next = a.times(&power);
             let mut term = power;
             for i in 0..self.multiplicity {
                 if i > 0 {
-                    term = &map(&map(&term)) + &term.scale(z);
+                    term = &a.times(&a.times(&term)) + &term.scale(z);
                 }
                 sum = &sum + &term.scale(taylor(z, k, i));
             }
@@ -193,29 +180,6 @@ impl Annihilator {
     /// Whether `z` is never negative.
     fn is_elliptic(&self) -> bool {
         self.quadratic.as_ref().is_none_or(RationalMatrix::is_positive_semidefinite)
-    }
-}
-
-impl Powers {
-    /// `Σ_k Aᵏ v / (k + shift)!`
-    fn series<'a>(
-        &self,
-        x: &Vector<'a>,
-        shift: u32,
-        v: &Vector<'a>,
-        map: &dyn Fn(&Vector<'a>) -> Vector<'a>,
-    ) -> Vector<'a> {
-        match self {
-            Self::Closed(annihilator) => annihilator.sum(x, shift, v, map),
-            // v + A/(s+1) (v + A/(s+2) (v + …)), over s!
-            Self::Series(terms) => {
-                let sum = (1..=*terms as u32).rev().fold(v.clone(), |sum, k| {
-                    let next = map(&sum).map(|entry| entry.scale(Number::ratio(1, i128::from(k + shift))));
-                    (v + &next).hold()
-                });
-                sum.map(|entry| entry.scale(reciprocal_factorial(shift)))
-            }
-        }
     }
 }
 

@@ -8,7 +8,7 @@ use super::powers::{FEW_TERMS, LinearMatrix, TERMS};
 use super::{Basis, RADIUS, leaked};
 use crate::expr::{Expr, Matrix, Number, Vector};
 use crate::group::exact::{Rational, RationalMatrix};
-use crate::group::{MatrixFunction, Representation, Retraction, Translation};
+use crate::group::{MatrixFunction, Representation, Retraction, SpaceNames, Translation};
 
 /// Why matrices are no representation.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -55,17 +55,14 @@ impl Linear {
     /// # Errors
     /// If they are no representation, or if numbers grow too large.
     pub fn given(basis: &Basis, rho: &Basis) -> Result<&'static Self, LinearError> {
-        if bounded(basis.dimension(), rho.size()).is_err() {
-            return Err(LinearError::TooLarge);
-        }
+        bounded(basis.dimension(), rho.size()).map_err(|_| LinearError::TooLarge)?;
         let algebra = Algebra::new(basis.matrices.clone()).map_err(|_| LinearError::TooLarge)?;
         let matrices = &rho.matrices;
         for i in 0..matrices.len() {
             for j in 0..i {
+                let zero = RationalMatrix::zero(rho.size(), rho.size());
                 let constants = algebra.structure.bracket(j, i).iter();
-                let bracket = constants.fold(RationalMatrix::zero(rho.size(), rho.size()), |sum, (k, c)| {
-                    sum.plus(&matrices[*k], Rational::from(*c))
-                });
+                let bracket = constants.fold(zero, |sum, (k, c)| sum.plus(&matrices[*k], Rational::from(*c)));
                 if matrices[j].commutator(&matrices[i]) != bracket {
                     return Err(LinearError::NoRepresentation(j, i));
                 }
@@ -118,16 +115,9 @@ impl Linear {
 }
 
 impl Representation for Linear {
-    fn name(&self) -> &'static str {
-        self.name
-    }
-
-    fn coordinates(&self) -> &'static [&'static str] {
-        self.coordinates
-    }
-
-    fn algebra_dimension(&self) -> usize {
-        self.matrices.len()
+    fn names(&self) -> SpaceNames {
+        let (name, coordinates) = (self.name, self.coordinates);
+        SpaceNames { name, coordinates, algebra_dimension: self.matrices.len() }
     }
 
     fn act_infinitesimally<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
@@ -137,15 +127,8 @@ impl Representation for Linear {
     /// `φ₁(ρ_x) w`; for the Cayley map half the way before the rest, half of it after.
     fn translation<'a>(&self, f: MatrixFunction, x: &Vector<'a>, w: &Vector<'a>) -> Translation<'a> {
         match f {
-            MatrixFunction::Exponential => Translation {
-                body_part: self.rho.series(x, 1, w),
-                rotated_part: Vector::zeros(x.0[0].arena(), w.len()),
-                is_tangent_group: false,
-            },
-            MatrixFunction::Cayley => {
-                let half = w.map(|component| component / 2);
-                Translation { body_part: half.clone(), rotated_part: half, is_tangent_group: false }
-            }
+            MatrixFunction::Exponential => Translation::before(self.rho.series(x, 1, w)),
+            MatrixFunction::Cayley => Translation::halves(w),
         }
     }
 
@@ -180,9 +163,7 @@ impl Representation for Linear {
     }
 
     fn dual(&self) -> Option<&'static dyn Representation> {
-        let negative = |matrix: &RationalMatrix| {
-            RationalMatrix::zero(matrix.rows, matrix.rows).plus(&matrix.transpose(), -Rational::one())
-        };
+        let negative = |matrix: &RationalMatrix| matrix.transpose().scaled(-Rational::one());
         let matrices = self.matrices.iter().map(negative).collect();
         let name = match self.name.strip_prefix("dual(").and_then(|name| name.strip_suffix(')')) {
             Some(name) => name,

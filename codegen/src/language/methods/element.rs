@@ -1,37 +1,17 @@
 //! Methods of configurations, as nalgebra's rotations and isometries have them.
 
 use super::super::value::{Element, Value};
-use super::{Call, Method};
+use super::{Call, Method, method};
 use crate::diagnostics::list;
 use crate::expr::Vector;
 use crate::group::is_same;
 
-const fn method(
-    name: &'static str,
-    arguments: &'static [&'static str],
-    apply: for<'a> fn(&mut Call<'_, 'a>) -> Option<Value<'a>>,
-) -> Method {
-    Method { name, arguments, apply }
-}
-
 pub(super) static METHODS: &[Method] = &[
     method("inverse", &[], |call| Some(inverse(call)?.into_value())),
-    method("transform_point", &["&p"], |call| {
-        let element = receiver(call)?;
-        moved(call, &element)
-    }),
-    method("inverse_transform_point", &["&p"], |call| {
-        let element = inverse(call)?;
-        moved(call, &element)
-    }),
-    method("transform_vector", &["&v"], |call| {
-        let element = receiver(call)?;
-        transformed(call, &element)
-    }),
-    method("inverse_transform_vector", &["&v"], |call| {
-        let element = inverse(call)?;
-        transformed(call, &element)
-    }),
+    method("transform_point", &["&p"], |call| transformed(call, receiver(call)?)),
+    method("inverse_transform_point", &["&p"], |call| transformed(call, inverse(call)?)),
+    method("transform_vector", &["&v"], |call| transformed(call, receiver(call)?)),
+    method("inverse_transform_vector", &["&v"], |call| transformed(call, inverse(call)?)),
 ];
 
 fn receiver<'a>(call: &Call<'_, 'a>) -> Option<Element<'a>> {
@@ -46,38 +26,24 @@ fn inverse<'a>(call: &Call<'_, 'a>) -> Option<Element<'a>> {
     Some(Element { group, coordinates: group.inverse(&coordinates) })
 }
 
-fn transformed<'a>(call: &mut Call<'_, 'a>, element: &Element<'a>) -> Option<Value<'a>> {
+/// The image of the argument, a point or a vector as the method wants it.
+fn transformed<'a>(call: &mut Call<'_, 'a>, element: Element<'a>) -> Option<Value<'a>> {
     let (value, expr) = &call.arguments[0];
-    let turned = match value {
-        Value::Vector(vector) => element.turned(vector),
+    let of_points = call.method.to_string().ends_with("point");
+    let image = match value {
+        Value::Vector(vector) if !of_points => element.turned(vector).map(Value::Vector),
+        Value::Point(point) if of_points => element.moved(point).map(Value::Point),
         _ => None,
     };
-    match turned {
-        Some(vector) => Some(Value::Vector(vector)),
-        None => call.fail(expr, no_transform(call, value)),
-    }
-}
-
-fn moved<'a>(call: &mut Call<'_, 'a>, element: &Element<'a>) -> Option<Value<'a>> {
-    let (value, expr) = &call.arguments[0];
-    let moved = match value {
-        Value::Point(point) => element.moved(point),
-        _ => None,
-    };
-    match moved {
-        Some(point) => Some(Value::Point(point)),
-        None => call.fail(expr, no_transform(call, value)),
-    }
-}
-
-/// Says that an element does not act on a value as the method wants.
-fn no_transform(call: &Call<'_, '_>, value: &Value<'_>) -> String {
-    let hint = match (value, call.method.to_string().ends_with("point")) {
-        (Value::Vector(vector), true) => format!("; the point is `Point{}::from(v)`", vector.len()),
-        (Value::Point(_), false) => "; the vector to it is `p.coords`".to_owned(),
-        _ => String::new(),
-    };
-    format!("`{}` of {} does not take {}{hint}", call.method, call.receiver.describe(), value.describe())
+    image.or_else(|| {
+        let hint = match (value, of_points) {
+            (Value::Vector(vector), true) => format!("; the point is `Point{}::from(v)`", vector.len()),
+            (Value::Point(_), false) => "; the vector to it is `p.coords`".to_owned(),
+            _ => String::new(),
+        };
+        let (method, acting, found) = (call.method, call.receiver.describe(), value.describe());
+        call.fail(expr, format!("`{method}` of {acting} does not take {found}{hint}"))
+    })
 }
 
 impl<'a> Element<'a> {

@@ -19,6 +19,15 @@ pub(super) struct Method {
     apply: for<'a> fn(&mut Call<'_, 'a>) -> Option<Value<'a>>,
 }
 
+/// A row of a table.
+const fn method(
+    name: &'static str,
+    arguments: &'static [&'static str],
+    apply: for<'a> fn(&mut Call<'_, 'a>) -> Option<Value<'a>>,
+) -> Method {
+    Method { name, arguments, apply }
+}
+
 /// A method call whose operands are known.
 struct Call<'c, 'a> {
     arena: &'a Arena,
@@ -89,10 +98,8 @@ impl<'a> Lowering<'a, '_> {
             Value::Vector(_) => tensor::VECTOR_METHODS,
             Value::Matrix(_) => tensor::MATRIX_METHODS,
             Value::Integer(_) => {
-                return self.fail(
-                    method,
-                    "methods of integers are not supported; write the number as a float, `2.0`",
-                );
+                let message = "methods of integers are not supported; write the number as a float, `2.0`";
+                return self.fail(method, message);
             }
             Value::Element(element) => {
                 if let (Some(value), []) = (element.component(&name, true), arguments) {
@@ -231,22 +238,15 @@ pub const NOT_SMOOTH: &[&str] = &[
 ];
 
 impl<'a> Call<'_, 'a> {
-    fn fail<T>(&mut self, tokens: impl quote::ToTokens, message: String) -> Option<T> {
-        self.diagnostics.push(tokens, message);
-        None
+    fn fail<T>(&mut self, tokens: impl quote::ToTokens, message: impl std::fmt::Display) -> Option<T> {
+        self.diagnostics.fail(tokens, message)
     }
 
     /// An argument that must be a scalar.
     fn scalar(&mut self, index: usize) -> Option<Symbolic<'a>> {
         let (value, expr) = &self.arguments[index];
-        let scalar = value.as_scalar(self.arena);
-        match scalar {
-            Some(scalar) => Some(scalar),
-            None => self.fail(
-                expr,
-                format!("`{}` takes a scalar here, but this is {}", self.method, value.describe()),
-            ),
-        }
+        let message = || format!("`{}` takes a scalar here, but this is {}", self.method, value.describe());
+        value.as_scalar(self.arena).or_else(|| self.diagnostics.fail(expr, message()))
     }
 
     /// An argument that must be an integer known now.
@@ -263,10 +263,7 @@ impl<'a> Call<'_, 'a> {
         if value.shape() == self.receiver.shape() {
             return value.as_matrix();
         }
-        let (expected, found) = (self.receiver.describe(), value.describe());
-        self.fail(
-            expr,
-            format!("`{}` takes {expected} here, as its receiver is, but this is {found}", self.method),
-        )
+        let (method, expected, found) = (self.method, self.receiver.describe(), value.describe());
+        self.fail(expr, format!("`{method}` takes {expected} here, as its receiver is, but this is {found}"))
     }
 }

@@ -1,28 +1,27 @@
 //! Methods of scalars, as `f64` has them.
 
 use super::super::value::Value;
-use super::{Call, Method};
+use super::{Call, Method, method};
 use crate::expr::{Expr, Function, Number};
 use crate::limits;
 
-const fn method(
-    name: &'static str,
-    arguments: &'static [&'static str],
-    apply: for<'a> fn(&mut Call<'_, 'a>) -> Option<Value<'a>>,
-) -> Method {
-    Method { name, arguments, apply }
-}
-
 pub(super) static METHODS: &[Method] = &[
     method("sqrt", &[], |call| elementary(call, Function::Sqrt)),
-    method("powi", &["n"], powi),
+    method("powi", &["n"], |call| {
+        let exponent = call.integer(0, "; for other exponents there is `powf`")?;
+        integer_power(call, exponent)
+    }),
     method("powf", &["x"], powf),
-    method("recip", &[], recip),
+    method("recip", &[], |call| integer_power(call, -1)),
     method("exp", &[], |call| elementary(call, Function::Exp)),
     method("ln", &[], |call| elementary(call, Function::Ln)),
     method("sin", &[], |call| elementary(call, Function::Sin)),
     method("cos", &[], |call| elementary(call, Function::Cos)),
-    method("sin_cos", &[], sin_cos),
+    method("sin_cos", &[], |call| {
+        let angle = receiver(call)?;
+        let values = [Function::Sin, Function::Cos].map(|function| Value::Scalar(angle.apply(function)));
+        Some(Value::Tuple(values.to_vec()))
+    }),
     method("tan", &[], |call| elementary(call, Function::Tan)),
     method("asin", &[], |call| elementary(call, Function::Asin)),
     method("acos", &[], |call| elementary(call, Function::Acos)),
@@ -60,11 +59,6 @@ fn defined(function: Function, at: Number) -> bool {
     }
 }
 
-fn powi<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
-    let exponent = call.integer(0, "; for other exponents there is `powf`")?;
-    integer_power(call, exponent)
-}
-
 fn powf<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
     let (base, exponent) = (receiver(call)?, call.scalar(0)?);
     let Some(number) = exponent.as_number() else { return Some(Value::Scalar(base.pow(exponent))) };
@@ -76,7 +70,7 @@ fn powf<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
         return too_high(call);
     }
     if base.as_number().is_some_and(|base| base.is_negative() || base.is_zero()) {
-        return call.fail(call.method, "a power that is not whole needs a positive base".to_owned());
+        return call.fail(call.method, "a power that is not whole needs a positive base");
     }
     Some(Value::Scalar(base.pow(exponent)))
 }
@@ -86,7 +80,7 @@ fn integer_power<'a>(call: &mut Call<'_, 'a>, exponent: i64) -> Option<Value<'a>
     match i32::try_from(exponent) {
         Ok(exponent) if exponent.unsigned_abs() <= limits::EXPONENT => {
             if base.is_zero() && exponent < 0 {
-                return call.fail(call.method, "this divides by zero".to_owned());
+                return call.fail(call.method, "this divides by zero");
             }
             Some(Value::Scalar(base.powi(exponent)))
         }
@@ -97,18 +91,6 @@ fn integer_power<'a>(call: &mut Call<'_, 'a>, exponent: i64) -> Option<Value<'a>
 fn too_high<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
     let message = format!("this exponent is too large; the largest is {}", limits::EXPONENT);
     call.fail(call.arguments[0].1, message)
-}
-
-fn recip<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
-    integer_power(call, -1)
-}
-
-fn sin_cos<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
-    let angle = receiver(call)?;
-    Some(Value::Tuple(vec![
-        Value::Scalar(angle.apply(Function::Sin)),
-        Value::Scalar(angle.apply(Function::Cos)),
-    ]))
 }
 
 fn hypot<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {

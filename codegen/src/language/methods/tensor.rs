@@ -2,17 +2,9 @@
 
 use super::super::operators::scaled;
 use super::super::value::Value;
-use super::{Call, Method};
+use super::{Call, Method, method};
 use crate::expr::{Expr, Matrix, Vector};
 use crate::limits::DETERMINANT;
-
-const fn method(
-    name: &'static str,
-    arguments: &'static [&'static str],
-    apply: for<'a> fn(&mut Call<'_, 'a>) -> Option<Value<'a>>,
-) -> Method {
-    Method { name, arguments, apply }
-}
 
 pub(super) static VECTOR_METHODS: &[Method] = &[
     method("dot", &["&other"], dot),
@@ -76,10 +68,10 @@ fn cross_matrix<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
 fn three<'a>(call: &mut Call<'_, 'a>) -> Option<Vector<'a>> {
     match call.receiver {
         Value::Vector(vector) if vector.len() == 3 => Some(vector.clone()),
-        other => call.fail(
-            call.method,
-            format!("`{}` is for vectors of 3; this is {}", call.method, other.describe()),
-        ),
+        other => {
+            let (method, found) = (call.method, other.describe());
+            call.fail(method, format!("`{method}` is for vectors of 3; this is {found}"))
+        }
     }
 }
 
@@ -105,7 +97,7 @@ fn unscale<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
 
 fn divided<'a>(call: &mut Call<'_, 'a>, divisor: Expr<'a>) -> Option<Value<'a>> {
     if divisor.is_zero() {
-        return call.fail(call.method, "this divides by zero".to_owned());
+        return call.fail(call.method, "this divides by zero");
     }
     scaled(call.receiver, divisor.recip())
 }
@@ -123,7 +115,7 @@ fn component_mul<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
 fn component_div<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
     let other = call.like_receiver(0)?;
     if other.entries.iter().any(|entry| entry.is_zero()) {
-        return call.fail(call.arguments[0].1, "a component of this is zero".to_owned());
+        return call.fail(call.arguments[0].1, "a component of this is zero");
     }
     Some(Value::of_matrix(call.receiver.as_matrix()?.zip(&other, |a, b| a / b)))
 }
@@ -144,11 +136,9 @@ fn tr_mul<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
     match value.as_matrix() {
         Some(right) if right.rows == left.columns => Some(Value::of_matrix(left.times_matrix(&right))),
         _ => {
-            let message = format!(
-                "`tr_mul` takes a vector or matrix of {} rows here, but this is {}",
-                left.columns,
-                value.describe()
-            );
+            let (rows, found) = (left.columns, value.describe());
+            let message =
+                format!("`tr_mul` takes a vector or matrix of {rows} rows here, but this is {found}");
             call.fail(expr, message)
         }
     }
@@ -195,10 +185,10 @@ fn try_inverse<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
         let message = format!("inverses are supported up to {DETERMINANT} rows");
         return call.fail(call.method, message);
     }
-    let adjugate = Matrix::new(n, n, (0..n * n).map(|k| cofactor(&matrix, k % n, k / n)).collect());
+    let adjugate = Matrix::from_fn(n, n, |i, j| cofactor(&matrix, j, i));
     let determinant = matrix.row(0).dot(&adjugate.column(0));
     if determinant.is_zero() {
-        return call.fail(call.method, "this matrix is singular".to_owned());
+        return call.fail(call.method, "this matrix is singular");
     }
     Some(Value::Optional(Box::new(Value::of_matrix(adjugate.scale(determinant.recip())))))
 }
@@ -228,9 +218,9 @@ fn place(call: &mut Call<'_, '_>, bound: usize) -> Option<usize> {
     let index = call.integer(0, "")?;
     match usize::try_from(index) {
         Ok(index) if index < bound => Some(index),
-        _ => call.fail(
-            call.arguments[0].1,
-            format!("this index is out of range: it goes from 0 to {}", bound - 1),
-        ),
+        _ => {
+            let message = format!("this index is out of range: it goes from 0 to {}", bound - 1);
+            call.fail(call.arguments[0].1, message)
+        }
     }
 }
