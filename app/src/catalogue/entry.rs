@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use coadjoint::erased::{self, Description, Flat, Map};
 use coadjoint::prelude::*;
-use coadjoint::system::{Isolated, Quantity};
+use coadjoint::system::Isolated;
 use coadjoint::{Discretized, RightLift, System};
 use serde::{Deserialize, Serialize};
 
@@ -33,7 +33,9 @@ pub struct Entry {
     pub description: Description,
     /// The example's parameters and initial state.
     pub example: Setup,
-    units: &'static [(&'static str, &'static str)],
+    /// The unit of its energy.
+    pub energy_unit: &'static str,
+    casimir_units: &'static [&'static str],
     build: fn(&[f64]) -> Arc<dyn erased::EnsembleSystem>,
     /// Its own control law with these parameters. None if it has no controls.
     pub(crate) control: Option<fn(&[f64]) -> ControlLaw>,
@@ -69,6 +71,7 @@ pub struct Setup {
 impl Entry {
     /// The entry of a system, under its own name.
     pub fn of<S: Example>() -> Self {
+        const { assert!(S::CASIMIR_UNITS.is_empty() || S::CASIMIR_UNITS.len() == S::CASIMIRS.len()) };
         let description = Description::of::<S>();
         let example = flat(&S::example());
         let build =
@@ -83,7 +86,8 @@ impl Entry {
             description,
             plotted: PlottedQuantities::of(&*build(&example.parameters), &example.state),
             example,
-            units: S::UNITS,
+            energy_unit: S::ENERGY_UNIT,
+            casimir_units: S::CASIMIR_UNITS,
             build,
             control: if description.controls.is_empty() { None } else { Some(control::<S>) },
             right_lift: None,
@@ -180,57 +184,11 @@ impl Entry {
         columns
     }
 
-    /// The unit of a quantity, a component or a Casimir, by its name: what the description says, or that of the longest
-    /// name in [`Example::UNITS`] that it begins with. Empty for a pure number, and where none is known.
-    pub fn unit(&self, name: &str) -> &'static str {
-        let Description { parameters, state, controls, .. } = self.description;
-        let mut quantities = [parameters, state, controls].into_iter().flatten();
-        let described = quantities.find(|quantity| quantity.name == name || is_part(quantity.name, name));
-        if let Some(unit) = described.and_then(|quantity| quantity.unit) {
-            return unit;
-        }
-        let begins = |(of, _): &&(&str, &str)| name == *of || (is_part(of, name) && !self.is_casimir(name));
-        let known = self.units.iter().filter(begins).max_by_key(|(of, _)| of.len());
-        match (known, name) {
-            (Some((_, unit)), _) => unit,
-            (None, "time") => "s",
-            (None, "energy") => "J",
-            (None, _) => "",
-        }
-    }
-
-    fn is_casimir(&self, name: &str) -> bool {
-        self.description.casimirs.contains(&name)
-    }
-
     /// Its Casimirs, with their units.
     pub fn casimirs(&self) -> impl Iterator<Item = (&'static str, &'static str)> + '_ {
-        self.description.casimirs.iter().map(|name| (*name, self.unit(name)))
+        let units = self.casimir_units.iter().copied().chain(std::iter::repeat(""));
+        self.description.casimirs.iter().copied().zip(units)
     }
-
-    /// The names in [`Example::UNITS`] that it has nothing of.
-    pub fn unknown_units(&self) -> Vec<&'static str> {
-        let Description { parameters, state, controls, casimirs, .. } = self.description;
-        let names = |quantity: &Quantity| {
-            let components = quantity.components.iter().map(|component| component_name(quantity, component));
-            components.chain([quantity.name.to_owned()]).collect::<Vec<_>>()
-        };
-        let mut known: Vec<String> =
-            [parameters, state, controls].into_iter().flatten().flat_map(names).collect();
-        for plotted in self.plotted.all() {
-            let components = plotted.components.iter().map(|component| plotted.component_name(component));
-            known.extend(components.chain([plotted.name.clone()]));
-        }
-        known.extend(casimirs.iter().copied().chain(["energy", "time"]).map(str::to_owned));
-        let is_known = |of: &str| known.iter().any(|name| name == of || is_part(of, name));
-        self.units.iter().map(|(of, _)| *of).filter(|of| !is_known(of)).collect()
-    }
-}
-
-/// Whether a component's name begins with another: `pose_px` with `pose_p`, `momentum_angular_x` with
-/// `momentum_angular`.
-fn is_part(of: &str, name: &str) -> bool {
-    name.strip_prefix(of).is_some_and(|rest| rest.starts_with('_') || (of.contains('_') && rest.len() == 1))
 }
 
 /// `heavy_top` for `HeavyTop`, `heavy_top_on_se3` for `HeavyTopOnSE3`.

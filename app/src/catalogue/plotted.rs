@@ -11,7 +11,7 @@ use coadjoint::system::Kind;
 use coadjoint::system::{Quantity, Role};
 use nalgebra::{DMatrix, Matrix3, Rotation3, UnitQuaternion};
 
-use super::quantities::{matrix_order, rotation, tangent_places};
+use super::quantities::{component_unit, matrix_order, rotation, tangent_places, units};
 
 /// So many entries of a matrix can be told apart in a plot.
 const ENTRIES: usize = 6;
@@ -31,6 +31,8 @@ pub(crate) struct PlottedQuantity {
     pub(crate) name: String,
     pub(crate) role: Role,
     pub(crate) components: Vec<String>,
+    /// Their units.
+    pub(crate) units: Vec<&'static str>,
     /// So many of its components are those of a rotation: four in space, two in the plane, none of a vector.
     pub(crate) rotation: usize,
     /// Whether it is a matrix, or a part of one.
@@ -55,6 +57,7 @@ impl PlottedQuantity {
             name: quantity.name.to_owned(),
             role: quantity.role,
             components: quantity.components.iter().map(|&name| name.to_owned()).collect(),
+            units: units(&[*quantity]),
             rotation: rotation(quantity).map_or(0, |(count, _)| count),
             is_of_a_matrix: false,
             source: Source::Slots(slots),
@@ -64,11 +67,6 @@ impl PlottedQuantity {
     /// Writes its name in words. A matrix that is the only configuration has its name by default: its parts go without.
     pub(crate) fn title(&self) -> String {
         self.name.strip_prefix("element_").unwrap_or(&self.name).replace('_', " ")
-    }
-
-    /// Joins its name and a component's, as tables have them.
-    pub(crate) fn component_name(&self, component: &str) -> String {
-        if component.is_empty() { self.name.clone() } else { format!("{}_{component}", self.name) }
     }
 
     /// Tells whether it turns or moves in space, not only in a plane or on a line.
@@ -247,6 +245,12 @@ impl Parts {
     /// Lists its quantities, of a matrix from this slot on.
     fn shown(&self, matrix: &Quantity, start: usize) -> Vec<PlottedQuantity> {
         let quantity = |part: &str, components: Vec<String>, source: Source| PlottedQuantity {
+            units: match &source {
+                Source::Entries(entries) => {
+                    entries.iter().map(|entry| component_unit(matrix, entry - start)).collect()
+                }
+                Source::Slots(_) | Source::Rotation(_) => vec![""; components.len()],
+            },
             name: if part.is_empty() { matrix.name.to_owned() } else { format!("{}_{part}", matrix.name) },
             role: matrix.role,
             rotation: if matches!(source, Source::Rotation(_)) { components.len() } else { 0 },
@@ -314,6 +318,7 @@ mod tests {
             p2: [0, 0, 0; 0, 0, 1; 0, 0, 0]
         },
         retractions(Cayley),
+        units(element = "1, 1, m", momentum = "kg m²/s, kg m/s, kg m/s"),
     )]
     struct Sled {
         #[inertia]
@@ -321,8 +326,6 @@ mod tests {
     }
 
     impl Example for Sled {
-        const UNITS: &'static [(&'static str, &'static str)] = &[("element_p", "m")];
-
         fn example() -> (Self, SledState) {
             let element = matrix![0.0, -1.0, 3.0; 1.0, 0.0, 5.0; 0.0, 0.0, 1.0];
             (
@@ -342,7 +345,8 @@ mod tests {
         // behind them the matrix
         assert_eq!((numbers.len(), entry.plotted.quantities.len()), (16, 4));
         assert_eq!(entry.plotted.rotations(), [[0, 3]]);
-        assert_eq!(entry.unknown_units(), [""; 0]);
+        let units: Vec<&[&str]> = entry.plotted.all().iter().map(|quantity| &quantity.units[..]).collect();
+        assert_eq!(units, [&[""; 2][..], &["m"; 2], &["kg m²/s", "kg m/s", "kg m/s"]]);
         // a state without matrices is shown as it is
         let top = crate::test_systems::catalogue().system("heavy_top").expect("it is there");
         let names: Vec<&str> = top.plotted.all().iter().map(|quantity| quantity.name.as_str()).collect();

@@ -9,6 +9,34 @@ pub fn component_name(quantity: &Quantity, component: &str) -> String {
     if component.is_empty() { quantity.name.to_owned() } else { format!("{}_{component}", quantity.name) }
 }
 
+/// Tells the unit of a component: empty for a pure number, and where none is known.
+///
+/// Where components differ, the description lists their units, separated by commas: `"1, 1, m, m"`. A list shorter than
+/// the quantity begins anew, so that of a matrix each column has a unit.
+pub fn component_unit(quantity: &Quantity, component: usize) -> &'static str {
+    let units: Vec<&str> = quantity.unit.unwrap_or_default().split(',').map(str::trim).collect();
+    match units[component % units.len()] {
+        "1" => "",
+        unit => unit,
+    }
+}
+
+/// Tells the unit that all components of a quantity have; empty where they differ.
+pub fn unit(quantity: &Quantity) -> &'static str {
+    let first = component_unit(quantity, 0);
+    let is_first = |component| component_unit(quantity, component) == first;
+    if (1..quantity.components.len()).all(is_first) { first } else { "" }
+}
+
+/// Lists the units of all components of some quantities.
+pub(crate) fn units(quantities: &[Quantity]) -> Vec<&'static str> {
+    let of = |quantity: &Quantity| {
+        let quantity = *quantity;
+        (0..quantity.components.len()).map(move |component| component_unit(&quantity, component))
+    };
+    quantities.iter().flat_map(of).collect()
+}
+
 /// Lists roles and places of quantities in tangent vectors.
 pub(crate) fn tangent_places(quantities: &[Quantity]) -> impl Iterator<Item = (Role, Range<usize>)> + '_ {
     quantities.iter().map(|quantity| (quantity.role, quantity.tangent()))

@@ -80,7 +80,7 @@ pub(super) fn scan(
 
 /// The names and units of the errors.
 fn conserved(entry: &Entry) -> Vec<(&'static str, &'static str)> {
-    std::iter::once(("energy", entry.unit("energy"))).chain(entry.casimirs()).collect()
+    std::iter::once(("energy", entry.energy_unit)).chain(entry.casimirs()).collect()
 }
 
 /// Lays out the table for the terminal: the columns that fit.

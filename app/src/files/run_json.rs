@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use super::path::{followed, is_special, is_stdout};
-use crate::catalogue::Entry;
+use crate::catalogue::{Entry, unit};
 use crate::error::{FileError, SetupError};
 use crate::setup::{Classical, Job, Method, Order, Retraction, Setup, assignments};
 use crate::simulate::simulate;
@@ -88,7 +88,7 @@ impl Provenance {
         let held = setup.controls.iter().any(Option::is_some);
         let controls = if held { by_name(description.controls, &setup.controls) } else { Map::new() };
         let names = [description.parameters, description.state, description.controls];
-        let units = names.into_iter().flatten().map(|quantity| (quantity.name, entry.unit(quantity.name)));
+        let units = names.into_iter().flatten().map(|quantity| (quantity.name, unit(quantity)));
         let units = units.filter(|(_, unit)| !unit.is_empty());
         Self {
             program: PROGRAM.to_owned(),

@@ -71,6 +71,12 @@ impl Part<'_> {
         }
     }
 
+    /// Lists the units of its components.
+    pub(crate) fn units(&self) -> &[&'static str] {
+        let units = &self.quantity.units;
+        &units[units.len() - self.slots.len()..]
+    }
+
     /// Counts its curves.
     fn curves(&self) -> usize {
         match self.kind {

@@ -5,7 +5,7 @@ use std::ops::Range;
 use coadjoint::system::Quantity;
 
 use crate::catalogue::suggest::did_you_mean;
-use crate::catalogue::{Entry, component_name};
+use crate::catalogue::{Entry, component_name, component_unit, unit};
 use crate::error::SetupError;
 
 /// Which names can be assigned to.
@@ -62,6 +62,7 @@ pub(super) struct Name {
     pub(super) part: Part,
     pub(super) quantity: &'static Quantity,
     pub(super) slots: Range<usize>,
+    pub(super) unit: &'static str,
 }
 
 impl Name {
@@ -73,16 +74,14 @@ impl Name {
             for (quantity, slots) in Quantity::with_ranges(quantities) {
                 // a number in a list of one has a component's name too, as in tables
                 if quantity.components != [""] {
-                    single.extend(quantity.components.iter().zip(slots.clone()).map(|(component, slot)| {
-                        Name {
-                            name: component_name(quantity, component),
-                            part,
-                            quantity,
-                            slots: slot..slot + 1,
-                        }
+                    single.extend(quantity.components.iter().enumerate().map(|(k, component)| {
+                        let (name, slot) = (component_name(quantity, component), slots.start + k);
+                        let unit = component_unit(quantity, k);
+                        Name { name, part, quantity, slots: slot..slot + 1, unit }
                     }));
                 }
-                whole.push(Name { name: quantity.name.to_owned(), part, quantity, slots });
+                let (name, unit) = (quantity.name.to_owned(), unit(quantity));
+                whole.push(Name { name, part, quantity, slots, unit });
             }
         }
         whole.extend(single);

@@ -49,7 +49,7 @@ impl Scan {
         if let Some(value) = values.iter().find(|value| !value.is_finite()) {
             return Err(wrong(&format!("values must be finite, got {value}")));
         }
-        Ok(Self { name: name.to_owned(), unit: entry.unit(name), values })
+        Ok(Self { name: name.to_owned(), unit: target.unit, values })
     }
 
     /// All combinations of one or two scans, the last one varying fastest.

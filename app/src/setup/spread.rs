@@ -7,7 +7,7 @@ use super::names::{Name, Names, Part, count, named, numbers};
 use super::random::Random;
 use super::transport::{displace, places};
 use crate::catalogue::quantities::{matrix_order, rotation};
-use crate::catalogue::{Entry, component_name};
+use crate::catalogue::{Entry, component_name, component_unit};
 use crate::error::SetupError;
 
 /// How members of an ensemble differ: each number evenly within its width about the setup's, each rotation by a turn of
@@ -84,7 +84,7 @@ impl Variation {
             let target = named(entry, Names::Varied, name.trim())?;
             let width = width(entry, &target, value.trim())
                 .map_err(|error| error.within(format!("`--spread {spread}`")))?;
-            all.words.push(in_words(entry, &target.name, &width));
+            all.words.push(in_words(&target, &width));
             match width {
                 Width::Turn(width, unit) => {
                     all.turns.retain(|turn| turn.name != target.quantity.name);
@@ -165,12 +165,12 @@ impl Variation {
         ];
         for (quantities, widths, of_state) in parts {
             for (quantity, place) in Quantity::with_ranges(quantities) {
-                for (component, slot) in quantity.components.iter().zip(place) {
+                for (k, (component, slot)) in quantity.components.iter().zip(place).enumerate() {
                     // what mirrors another number is the same
                     let is_second = !of_state && self.mirrored.iter().any(|(_, second)| *second == slot);
                     if widths[slot] > 0.0 && !is_second {
                         let name = component_name(quantity, component);
-                        let unit = entry.unit(&name);
+                        let unit = component_unit(quantity, k);
                         slots.push((of_state, slot, SampledRange { name, unit, range: NOTHING }));
                     }
                 }
@@ -324,7 +324,7 @@ fn width(entry: &Entry, target: &Name, value: &str) -> Result<Width, SetupError>
     if numbers.len() != requested {
         return wrong(format!("takes {} or one, got {}", count(requested), numbers.len()));
     }
-    match (unit, entry.unit(name)) {
+    match (unit, target.unit) {
         ("%", _) => Ok(Width::Percent(numbers)),
         ("", _) => Ok(Width::Absolute(numbers)),
         (unit, own) if unit == own => Ok(Width::Absolute(numbers)),
@@ -343,7 +343,7 @@ fn split_unit(value: &str) -> (&str, &str) {
 }
 
 /// `inertia ±1 % of each component`
-fn in_words(entry: &Entry, name: &str, width: &Width) -> String {
+fn in_words(Name { name, unit, .. }: &Name, width: &Width) -> String {
     let own = |numbers: &[f64]| match numbers {
         [first, rest @ ..] if rest.iter().all(|number| number == first) => first.to_string(),
         numbers => {
@@ -357,9 +357,7 @@ fn in_words(entry: &Entry, name: &str, width: &Width) -> String {
         Width::Turn(width, unit) => format!("{name} turned by up to {width} {unit}"),
         Width::Percent(percent) if percent.len() == 1 => format!("{name} ±{} %", own(percent)),
         Width::Percent(percent) => format!("{name} ±{} % of each component", own(percent)),
-        Width::Absolute(widths) => {
-            format!("{name} ±{} {}", own(widths), entry.unit(name)).trim_end().to_owned()
-        }
+        Width::Absolute(widths) => format!("{name} ±{} {unit}", own(widths)).trim_end().to_owned(),
     }
 }
 
