@@ -1,6 +1,6 @@
 //! The quantities of a state that pictures show: of a configuration that is a matrix its rotation and its vectors.
 //!
-//! Nothing here knows a group: a basis of its algebra is what small displacements of the unit matrix are.
+//! Nothing here knows a group: what its elements move is seen of some.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -11,10 +11,12 @@ use coadjoint::system::Kind;
 use coadjoint::system::{Quantity, Role};
 use nalgebra::{DMatrix, Matrix3, Rotation3, UnitQuaternion};
 
-use super::quantities::{component_unit, matrix_order, rotation, tangent_places, units};
+use super::quantities::{component_unit, matrix_order, rotation, tangent_length, units};
 
-/// So many entries of a matrix can be told apart in a plot.
+/// Entries of a matrix that can be told apart in a plot, at most.
 const ENTRIES: usize = 6;
+/// Entries that differ by less are the same.
+const ROUNDOFF: f64 = 1e-9;
 
 /// The quantities of a state as pictures show them.
 #[derive(Clone, Debug)]
@@ -85,14 +87,14 @@ impl PlottedQuantities {
     pub(crate) fn of(system: &dyn erased::System, example: &[f64]) -> Self {
         let state = system.description().state;
         let (mut quantities, mut matrices, mut rotations) = (Vec::new(), Vec::new(), Vec::new());
-        for ((index, (quantity, slots)), (_, tangent)) in
-            Quantity::with_ranges(state).enumerate().zip(tangent_places(state))
+        for ((quantity, slots), next) in
+            Quantity::with_ranges(state).zip(state.iter().skip(1).chain([&state[0]]))
         {
             let own = PlottedQuantity::of(quantity, slots.clone());
-            let turning = match matrix_order(quantity).zip(state.get(index + 1)) {
-                Some((rows, momentum)) => {
-                    let basis = basis(system, example, &slots, rows, tangent);
-                    let parts = Parts::of(rows, &basis, momentum.components);
+            let turning = match matrix_order(quantity) {
+                Some(rows) => {
+                    let parts =
+                        Parts::of(&elements(system, example, (quantity, &slots), rows), next.components);
                     quantities.extend(parts.shown(quantity, slots.start));
                     matrices.push(PlottedQuantity { is_of_a_matrix: true, ..own });
                     parts.turning(slots.start)
@@ -170,28 +172,26 @@ impl PlottedQuantities {
     }
 }
 
-/// A basis of the algebra, of whole numbers.
-fn basis(
+/// Displaces the unit matrix along each coordinate of its group, and along all of them.
+fn elements(
     system: &dyn erased::System,
     example: &[f64],
-    slots: &Range<usize>,
+    (quantity, slots): (&Quantity, &Range<usize>),
     rows: usize,
-    tangent: Range<usize>,
-) -> Vec<DMatrix<f64>> {
-    /// Its square is far below one.
-    const STEP: f64 = 1e-3;
-
-    let length = tangent_places(system.description().state).last().map_or(0, |(_, place)| place.end);
+) -> (Vec<DMatrix<f64>>, DMatrix<f64>) {
+    let tangent = quantity.tangent();
     let mut unit = example.to_vec();
     unit[slots.clone()].copy_from_slice(DMatrix::<f64>::identity(rows, rows).as_slice());
-    let displaced = |k: usize, by: f64| {
-        let mut along = vec![0.0; length];
-        along[k] = by;
-        let state = system.displace(&unit, Map::Exponential, &along);
-        DMatrix::from_row_slice(rows, rows, &state[slots.clone()])
+    let displaced = |from: &[f64], along: &dyn Fn(usize) -> f64| {
+        let mut by = vec![0.0; tangent_length(system.description().state)];
+        tangent.clone().for_each(|k| by[k] = along(k));
+        system.displace(from, Map::Exponential, &by)
     };
-    let element = |k| (displaced(k, STEP) - displaced(k, -STEP)) / (2.0 * STEP);
-    tangent.map(|k| element(k).map(f64::round)).collect()
+    let matrix = |state: &[f64]| DMatrix::from_row_slice(rows, rows, &state[slots.clone()]);
+    let along = tangent.clone().map(|k| matrix(&displaced(&unit, &|other| f64::from(u8::from(other == k)))));
+    // what no two displacements in turn move, nothing moves
+    let all = displaced(&displaced(&unit, &|k| (k as f64).cos()), &|k| (k as f64).sin());
+    (along.collect(), matrix(&all))
 }
 
 /// The parts of the elements of a group of matrices that turn, and those that move.
@@ -207,31 +207,43 @@ struct Parts {
 }
 
 impl Parts {
-    fn of(rows: usize, basis: &[DMatrix<f64>], coordinates: &[&str]) -> Self {
-        let moving = moving(rows, basis);
-        let turns = [3, 2].into_iter().find(|&k| is_rotation(basis, &moving, k)).unwrap_or(0);
-        let of_column = |column: usize| {
-            let coordinate = |(element, name): (&DMatrix<f64>, &&str)| {
-                let moves = element.rows(0, turns).column(column).iter().any(|entry| *entry != 0.0);
-                moves.then(|| name.trim_end_matches(|letter: char| letter.is_ascii_digit()).to_owned())
-            };
-            basis.iter().zip(coordinates).filter_map(coordinate).collect::<Vec<String>>()
+    /// Finds them in elements along each coordinate, which have these names, and in one along all.
+    fn of((along, all): &(Vec<DMatrix<f64>>, DMatrix<f64>), coordinates: &[&str]) -> Self {
+        let rows = all.nrows();
+        let moves = |element: &DMatrix<f64>, row: usize, column: usize| {
+            (element[(row, column)] - f64::from(u8::from(row == column))).abs() > ROUNDOFF
         };
-        let columns: Vec<usize> =
-            (turns..rows).filter(|&column| (0..turns).any(|row| moving[(row, column)])).collect();
+        let is_rotation = |&k: &usize| {
+            let block = all.view((0, 0), (k.min(rows), k.min(rows)));
+            k <= rows
+                && (0..k).all(|column| (0..rows).all(|row| moves(all, row, column) == (row < k)))
+                && (block.tr_mul(&block) - DMatrix::identity(k, k)).amax() < ROUNDOFF
+        };
+        let turns = [3, 2].into_iter().find(is_rotation).unwrap_or(0);
+        let turned =
+            |element: &DMatrix<f64>, column: usize| (0..turns).any(|row| moves(element, row, column));
         let mut vectors: Vec<(String, usize)> = Vec::new();
-        for column in columns {
-            let names = of_column(column);
-            let own = names.first().filter(|first| {
+        for column in (turns..rows).filter(|&column| turned(all, column)) {
+            let own = along.iter().zip(coordinates).filter(|(element, _)| turned(element, column));
+            let stems: Vec<&str> =
+                own.map(|(_, name)| name.trim_end_matches(|letter: char| letter.is_ascii_digit())).collect();
+            let stem = stems.first().filter(|first| {
                 !first.is_empty()
-                    && names.iter().all(|name| name == *first)
+                    && stems.iter().all(|stem| stem == *first)
                     && vectors.iter().all(|(name, _)| name != *first)
             });
-            vectors.push((own.cloned().unwrap_or_else(|| format!("column_{}", column + 1)), column));
+            vectors.push((
+                stem.map_or_else(|| format!("column_{}", column + 1), |&stem| stem.to_owned()),
+                column,
+            ));
         }
-        let behind = |(row, column): &(usize, usize)| *row >= turns && moving[(*row, *column)];
-        let all = (0..rows).flat_map(|row| (0..rows).map(move |column| (row, column)));
-        Self { rows, turns, vectors, others: all.filter(behind).collect() }
+        let behind = (turns..rows).flat_map(|row| (0..rows).map(move |column| (row, column)));
+        Self {
+            rows,
+            turns,
+            vectors,
+            others: behind.filter(|&(row, column)| moves(all, row, column)).collect(),
+        }
     }
 
     /// Where the numbers of the rotation are, of a matrix from this slot on: in the plane those of its first column,
@@ -275,31 +287,6 @@ impl Parts {
         }
         shown
     }
-}
-
-/// Which entries of the group's elements are not those of the unit matrix: those of products of its basis.
-fn moving(rows: usize, basis: &[DMatrix<f64>]) -> DMatrix<bool> {
-    let at = |i, j| basis.iter().any(|element: &DMatrix<f64>| element[(i, j)] != 0.0);
-    let mut moving = DMatrix::from_fn(rows, rows, at);
-    // Warshall's algorithm
-    for k in 0..rows {
-        let before = moving.clone();
-        moving = DMatrix::from_fn(rows, rows, |i, j| before[(i, j)] || before[(i, k)] && before[(k, j)]);
-    }
-    moving
-}
-
-/// Whether the first so many rows and columns of all elements are any rotation, and nothing else turns with them.
-fn is_rotation(basis: &[DMatrix<f64>], moving: &DMatrix<bool>, k: usize) -> bool {
-    let rows = moving.nrows();
-    let block = |element: &DMatrix<f64>| element.view((0, 0), (k.min(rows), k.min(rows))).into_owned();
-    let blocks: Vec<DMatrix<f64>> =
-        basis.iter().map(block).filter(|block| block.iter().any(|entry| *entry != 0.0)).collect();
-    k <= rows
-        && blocks.len() == k * (k - 1) / 2
-        && blocks.iter().all(|block| *block == -block.transpose())
-        && (0..k).all(|i| (0..i).all(|j| blocks.iter().any(|block| block[(i, j)] != 0.0)))
-        && (k..rows).all(|row| (0..k).all(|column| !moving[(row, column)]))
 }
 
 #[cfg(test)]
@@ -381,6 +368,18 @@ mod tests {
         matrix
     }
 
+    /// Elements of the group with this basis of its algebra: along each coordinate, and along all.
+    fn elements_of(basis: &[DMatrix<f64>]) -> (Vec<DMatrix<f64>>, DMatrix<f64>) {
+        let sum = |of: fn(f64) -> f64| -> DMatrix<f64> {
+            basis.iter().zip(1..).map(|(element, k)| element * of(f64::from(k))).sum()
+        };
+        let exp = |element: &DMatrix<f64>| {
+            let one = DMatrix::identity(element.nrows(), element.nrows());
+            (1..40).rev().fold(one.clone(), |series, k| &one + element * series / f64::from(k))
+        };
+        (basis.iter().map(exp).collect(), exp(&sum(f64::cos)) * exp(&sum(f64::sin)))
+    }
+
     /// Rotations about the axes, in matrices of so many rows.
     fn rotations(rows: usize) -> Vec<DMatrix<f64>> {
         [(2, 1), (0, 2), (1, 0)].map(|(i, j)| unit(rows, &[(i, j, 1.0), (j, i, -1.0)])).to_vec()
@@ -391,20 +390,20 @@ mod tests {
         let vectors = [3, 4].map(|column| (0..3).map(move |row| unit(5, &[(row, column, 1.0)])));
         let basis: Vec<DMatrix<f64>> =
             rotations(5).into_iter().chain(vectors.into_iter().flatten()).collect();
-        let parts = Parts::of(5, &basis, &["x", "y", "z", "v1", "v2", "v3", "p1", "p2", "p3"]);
+        let parts = Parts::of(&elements_of(&basis), &["x", "y", "z", "v1", "v2", "v3", "p1", "p2", "p3"]);
         assert_eq!((parts.turns, parts.others.len()), (3, 0));
         assert_eq!(parts.vectors, [("v".to_owned(), 3), ("p".to_owned(), 4)]);
         assert_eq!(parts.turning(2), [2, 3, 4, 7, 8, 9, 12, 13, 14]);
         // with a time, as in Galilei's group
         let basis: Vec<DMatrix<f64>> = basis.into_iter().chain([unit(5, &[(3, 4, 1.0)])]).collect();
         let names = ["x", "y", "z", "v1", "v2", "v3", "p1", "p2", "p3", "t"];
-        assert_eq!(Parts::of(5, &basis, &names).others, [(3, 4)]);
+        assert_eq!(Parts::of(&elements_of(&basis), &names).others, [(3, 4)]);
     }
 
     #[test]
     fn what_is_no_rotation_is_shown_by_its_entries_or_not_at_all() {
         let all: Vec<DMatrix<f64>> = (0..4).map(|k| unit(2, &[(k / 2, k % 2, 1.0)])).collect();
-        let parts = Parts::of(2, &all, &["e11", "e12", "e21", "e22"]);
+        let parts = Parts::of(&elements_of(&all), &["e11", "e12", "e21", "e22"]);
         assert_eq!((parts.turns, parts.others.len()), (0, 4));
         // a boost is none, though the plane turns
         let lorentz = vec![
@@ -412,7 +411,7 @@ mod tests {
             unit(3, &[(0, 2, 1.0), (2, 0, 1.0)]),
             unit(3, &[(1, 2, 1.0), (2, 1, 1.0)]),
         ];
-        let parts = Parts::of(3, &lorentz, &["rotation", "boost_x", "boost_y"]);
+        let parts = Parts::of(&elements_of(&lorentz), &["rotation", "boost_x", "boost_y"]);
         assert_eq!((parts.turns, parts.others.len()), (0, 9));
         let (role, kind) = (Role::Configuration, Kind::Matrix(0, 0));
         let matrix =
@@ -420,6 +419,6 @@ mod tests {
         assert!(parts.shown(&matrix, 0).is_empty());
         // the first column of a rotation in the plane has its cosine and its sine
         let plane = [unit(2, &[(1, 0, 1.0), (0, 1, -1.0)])];
-        assert_eq!(Parts::of(2, &plane, &["angle"]).turning(0), [0, 2]);
+        assert_eq!(Parts::of(&elements_of(&plane), &["angle"]).turning(0), [0, 2]);
     }
 }

@@ -1,7 +1,5 @@
 //! Facts about quantities: names, places in flat lists, rotations, matrices.
 
-use std::ops::Range;
-
 use coadjoint::system::{Kind, Quantity, Role};
 
 /// Joins the names of a quantity and a component: `chi_x`, or `weight` for a scalar.
@@ -37,9 +35,9 @@ pub(crate) fn units(quantities: &[Quantity]) -> Vec<&'static str> {
     quantities.iter().flat_map(of).collect()
 }
 
-/// Lists roles and places of quantities in tangent vectors.
-pub(crate) fn tangent_places(quantities: &[Quantity]) -> impl Iterator<Item = (Role, Range<usize>)> + '_ {
-    quantities.iter().map(|quantity| (quantity.role, quantity.tangent()))
+/// Counts the numbers of tangent vectors.
+pub(crate) fn tangent_length(state: &[Quantity]) -> usize {
+    state.last().map_or(0, |quantity| quantity.tangent().end)
 }
 
 /// Counts the components that are those of a rotation, and writes no rotation; none of a vector.
