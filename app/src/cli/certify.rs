@@ -76,8 +76,8 @@ pub(crate) fn certify(
     for line in legend(&reports) {
         writeln!(console.words(), "{line}")?;
     }
-    let notes = console.notes().to_vec();
     let passed = reports.iter().all(Report::passed);
+    let notes = console.notes.clone();
     console.object(|| json!({ "passed": passed, "states": states, "reports": reports, "notes": notes }))?;
     match reports.iter().filter(|report| !report.passed()).count() {
         0 => Ok(()),

@@ -125,19 +125,13 @@ fn execute(
     for path in &written.kept {
         console.note(format!("{} holds the whole ensemble, and stays", path.display()))?;
     }
-    let written = written.files;
-    let notes = console.notes().to_vec();
-    console.object(|| {
+    console.summary(&written.files, || {
         let mut object = object(entry, setup, &spec, &named, &summary);
-        object["notes"] = notes.into();
-        object["written"] = written.iter().map(|path| path.display().to_string()).collect();
         object["interrupted"] = interrupt::requested().into();
         object
     })?;
     report(entry, &summary, &spec, console.words())?;
-    for path in written {
-        writeln!(console.words(), "wrote {}", path.display())?;
-    }
+    console.wrote(&written.files)?;
     match summary.failed.first() {
         _ if interrupt::requested() => Err(Error::Interrupted),
         Some(first) if summary.failed.len() == spec.members => {

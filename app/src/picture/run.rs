@@ -153,7 +153,6 @@ mod tests {
         for i in 0..3 {
             envelope.push(i, i as f64, -(i as f64));
         }
-        assert_eq!(envelope.upper(), [(0.0, 0.0), (1.0, -1.0), (2.0, -2.0)]);
         let [line] = &series(&envelope, "x", Color::X, 10.0)[..] else { panic!("a line") };
         assert_eq!(line.points, [(0.0, 0.0), (1.0, -10.0), (2.0, -20.0)]);
     }

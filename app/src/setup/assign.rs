@@ -40,7 +40,7 @@ impl<'e> Changes<'e> {
                 SetupError::new("set", assignment, reason)
             })?;
             let (name, value) = (name.trim(), value.trim());
-            self.assign(Names::All, name, &numbers(name, value)?)?;
+            self.assign(Names::ALL, name, &numbers(name, value)?)?;
         }
         Ok(())
     }

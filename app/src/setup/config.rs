@@ -72,9 +72,9 @@ impl Config {
     /// If a name is unknown, or a value has another number of components than its quantity.
     pub(crate) fn apply(&self, path: &Path, changes: &mut Changes<'_>) -> Result<(), SetupError> {
         let tables = [
-            (Names::Parameters, "parameters", &self.parameters),
-            (Names::State, "state", &self.state),
-            (Names::Controls, "controls", &self.controls),
+            (Names::PARAMETERS, "parameters", &self.parameters),
+            (Names::STATE, "state", &self.state),
+            (Names::CONTROLS, "controls", &self.controls),
         ];
         for (which, section, table) in tables {
             for (name, value) in table {

@@ -76,7 +76,7 @@ impl Variation {
                 |what: &str| SetupError::new("spread", spread, format!("`--spread {spread}`: {what}"));
             let (name, value) =
                 spread.split_once('=').ok_or_else(|| wrong("has no `=`; write for example `momentum=1%`"))?;
-            let target = named(entry, Names::Varied, name.trim())?;
+            let target = named(entry, Names::VARIED, name.trim())?;
             let width = width(entry, &target, value.trim())
                 .map_err(|error| error.within(format!("`--spread {spread}`")))?;
             all.words.push(in_words(&target, &width));
