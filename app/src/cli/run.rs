@@ -269,11 +269,11 @@ fn again(
 
 /// Reports a run.
 fn report(done: FinishedRun<'_>, checkpoint: Option<&Path>, console: &mut Console<'_>) -> Result<(), Error> {
-    let FinishedRun { entry, plan, conservation, off_group, report, written, interrupted, notes } = done;
+    let FinishedRun { entry, plan, summary, written, interrupted, notes } = done;
     notes.into_iter().try_for_each(|note| console.note(note))?;
     let time_per_step = if interrupted { None } else { time_per_step(entry, &plan.setup, &plan.job)? };
-    let end = conservation.time;
-    let summary = RunSummary { job: plan.job, report, conservation, off_group, time_per_step };
+    let end = summary.conservation.time;
+    let summary = RunSummary { time_per_step, ..summary };
     let conclusions = summary.conclusions(entry);
     console.summary(&written, || {
         let mut object = summary.object(entry, &plan.setup);
