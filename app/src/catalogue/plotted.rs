@@ -39,6 +39,8 @@ pub(crate) struct PlottedQuantity {
     pub(crate) rotation: usize,
     /// Whether it is a matrix, or a part of one.
     pub(crate) is_of_a_matrix: bool,
+    /// Its place among the [numbers](PlottedQuantities::numbers).
+    pub(crate) slots: Range<usize>,
     source: Source,
 }
 
@@ -62,6 +64,7 @@ impl PlottedQuantity {
             units: units(&[*quantity]),
             rotation: rotation(quantity).map_or(0, |(count, _)| count),
             is_of_a_matrix: false,
+            slots: 0..0,
             source: Source::Slots(slots),
         }
     }
@@ -109,6 +112,11 @@ impl PlottedQuantities {
         }
         let plotted = quantities.len();
         quantities.extend(matrices);
+        let mut end = 0;
+        for quantity in &mut quantities {
+            quantity.slots = end..end + quantity.components.len();
+            end = quantity.slots.end;
+        }
         Self { quantities, plotted, rotations }
     }
 
@@ -117,28 +125,14 @@ impl PlottedQuantities {
         &self.quantities[..self.plotted]
     }
 
-    /// Pairs each quantity that is plotted with its place among the [numbers](Self::numbers).
-    pub(crate) fn laid_out(&self) -> impl Iterator<Item = (&PlottedQuantity, Range<usize>)> {
-        self.with_matrices().take(self.plotted)
-    }
-
-    /// The same, then the matrices.
-    fn with_matrices(&self) -> impl Iterator<Item = (&PlottedQuantity, Range<usize>)> {
-        self.quantities.iter().scan(0, |start, quantity| {
-            let slots = *start..*start + quantity.components.len();
-            *start = slots.end;
-            Some((quantity, slots))
-        })
-    }
-
-    /// Finds a quantity of this name, or a matrix, and its place among the [numbers](Self::numbers).
-    pub(crate) fn find(&self, name: &str) -> Option<(&PlottedQuantity, Range<usize>)> {
-        self.with_matrices().find(|(quantity, _)| quantity.name == name)
+    /// Finds a quantity of this name, or a matrix.
+    pub(crate) fn find(&self, name: &str) -> Option<&PlottedQuantity> {
+        self.quantities.iter().find(|quantity| quantity.name == name)
     }
 
     /// Tells whether a quantity of this name turns or moves in space.
     pub(crate) fn is_spatial(&self, name: &str) -> bool {
-        self.quantities.iter().any(|quantity| quantity.name == name && quantity.is_spatial())
+        self.find(name).is_some_and(PlottedQuantity::is_spatial)
     }
 
     /// Lists where in a state the numbers of rotations are: of a quaternion, of a unit complex number or its column in
@@ -268,6 +262,7 @@ impl Parts {
             rotation: if matches!(source, Source::Rotation(_)) { components.len() } else { 0 },
             components,
             is_of_a_matrix: true,
+            slots: 0..0,
             source,
         };
         let named = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();

@@ -28,7 +28,7 @@ use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::catalogue::{Catalogue, Entry};
-use crate::error::{Error, FileProblem, RunError};
+use crate::error::{Error, FileError, RunError};
 
 /// The meaning of exit codes.
 const EXIT_CODES: &str = "\
@@ -234,7 +234,7 @@ fn parsed(words: Vec<String>) -> Result<Command, clap::Error> {
 fn exit_code(error: &Error) -> u8 {
     match error {
         Error::Setup(_) => 2,
-        Error::File(error) if matches!(error.source, FileProblem::Write(_)) => 4,
+        Error::File(FileError::Write(..)) => 4,
         Error::File(_) => 2,
         Error::Run(
             RunError::Setup(_) | RunError::Stepper(_) | RunError::Ensemble(_) | RunError::Member { .. },

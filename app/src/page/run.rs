@@ -82,15 +82,15 @@ struct Plots<'a> {
 impl Plots<'_> {
     /// Draws each quantity, and the errors of what is conserved.
     fn all(&self) -> Vec<Plot> {
-        let quantities = self.entry.plotted.laid_out();
-        let mut plots: Vec<Plot> =
-            quantities.flat_map(|(quantity, slots)| self.plots_of(quantity, slots.start)).collect();
+        let quantities = self.entry.plotted.all();
+        let mut plots: Vec<Plot> = quantities.iter().flat_map(|quantity| self.plots_of(quantity)).collect();
         plots.extend(self.errors());
         plots
     }
 
-    /// Draws a quantity whose numbers begin here.
-    fn plots_of(&self, quantity: &PlottedQuantity, start: usize) -> Vec<Plot> {
+    /// Draws a quantity.
+    fn plots_of(&self, quantity: &PlottedQuantity) -> Vec<Plot> {
+        let start = quantity.slots.start;
         let names: Vec<String> = component_names(self.entry, quantity);
         let series = |places: &[usize]| -> Vec<Series> {
             places.iter().map(|&k| self.series(&names[k], |state| state[start + k])).collect()

@@ -48,7 +48,8 @@ pub(crate) enum PartKind {
 
 /// Lists the parts of a system's state.
 pub(crate) fn parts(entry: &Entry) -> impl Iterator<Item = Part<'_>> {
-    entry.plotted.laid_out().flat_map(|(quantity, slots)| {
+    entry.plotted.all().iter().flat_map(|quantity| {
+        let slots = quantity.slots.clone();
         let middle = slots.start + quantity.rotation;
         let kind = if quantity.rotation == 4 { PartKind::Rotation } else { PartKind::PlaneRotation };
         let is_half = quantity.rotation > 0 && middle < slots.end;

@@ -46,8 +46,8 @@ impl<'a> Frames<'a> {
 
     /// Finds the components of a quantity in a state.
     fn quantity<'s>(&'s self, state: &'s [f64], name: &str) -> Option<(&'s PlottedQuantity, &'s [f64])> {
-        let (quantity, slots) = self.entry.plotted.find(name)?;
-        Some((quantity, state.get(slots)?))
+        let quantity = self.entry.plotted.find(name)?;
+        Some((quantity, state.get(quantity.slots.clone())?))
     }
 
     /// Places a body in a state; bodies are on others that come before them.
@@ -132,7 +132,7 @@ impl<'a> Frames<'a> {
                     let (quantity, numbers) = self.quantity(state, &name)?;
                     Some(place(quantity, numbers.get(first..)?).as_slice().to_vec())
                 };
-                let own = self.entry.plotted.find(&name).and_then(|(quantity, _)| quantity.units.get(first));
+                let own = self.entry.plotted.find(&name).and_then(|quantity| quantity.units.get(first));
                 let unit = if unit.is_empty() { own.copied().unwrap_or_default().to_owned() } else { unit };
                 (self.path(|state| part(state).unwrap_or_else(|| vec![0.0; 3])), unit)
             }
@@ -163,7 +163,8 @@ fn states(entry: &Entry, samples: &[&RecordedSample]) -> Vec<Vec<f64>> {
     let mut states: Vec<Vec<f64>> = Vec::with_capacity(samples.len());
     for sample in samples {
         let mut state = entry.plotted.numbers(&sample.state).into_owned();
-        for (quantity, slots) in entry.plotted.laid_out() {
+        for quantity in entry.plotted.all() {
+            let slots = quantity.slots.clone();
             let is_read = quantity.is_of_a_matrix && quantity.rotation == 4 && slots.len() == 4;
             let Some(before) = states.last().filter(|_| is_read) else { continue };
             let product: f64 =
