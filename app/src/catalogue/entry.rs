@@ -10,11 +10,12 @@ use serde::{Deserialize, Serialize};
 
 use super::example::Example;
 use super::plotted::PlottedQuantities;
-use super::quantities::component_name;
+use super::quantities::components;
 use super::scene::Scene;
 
 /// One system of a program, its type erased: parameters and states are flat lists of numbers.
 #[derive(Clone, Debug)]
+#[must_use]
 pub struct Entry {
     /// Its name on the command line.
     pub name: String,
@@ -98,7 +99,6 @@ impl Entry {
 
     /// The same system under another name, with another example: what is `about` it, and a step and a duration that
     /// suit it, s.
-    #[must_use]
     pub fn preset<S: Example>(
         self,
         name: &str,
@@ -110,13 +110,11 @@ impl Entry {
     }
 
     /// With the text of the file that describes it, for `show`: `include_str!("heavy_top.rs")`.
-    #[must_use]
     pub fn with_source(self, source: &'static str) -> Self {
         Self { source, ..self }
     }
 
     /// With the method `right-lift`, for a system on which nothing acts: its steps carry the momentum in space.
-    #[must_use]
     pub fn with_right_lift<S>(self) -> Self
     where
         S: Example
@@ -177,9 +175,7 @@ impl Entry {
     /// The names of the columns of a trajectory: time, every component of the state, energy.
     pub fn columns(&self) -> Vec<String> {
         let mut columns = vec!["time".to_owned()];
-        for quantity in self.description.state {
-            columns.extend(quantity.components.iter().map(|component| component_name(quantity, component)));
-        }
+        columns.extend(components(self.description.state).map(|component| component.name));
         columns.push("energy".to_owned());
         columns
     }

@@ -11,7 +11,7 @@ use coadjoint::system::Kind;
 use coadjoint::system::{Quantity, Role};
 use nalgebra::{DMatrix, Matrix3, Rotation3, UnitQuaternion};
 
-use super::quantities::{component_unit, matrix_order, rotation, tangent_length, units};
+use super::quantities::{component_unit, matrix_order, rotation, tangent_length};
 
 /// Entries of a matrix that can be told apart in a plot, at most.
 const ENTRIES: usize = 6;
@@ -61,7 +61,7 @@ impl PlottedQuantity {
             name: quantity.name.to_owned(),
             role: quantity.role,
             components: quantity.components.iter().map(|&name| name.to_owned()).collect(),
-            units: units(&[*quantity]),
+            units: (0..quantity.components.len()).map(|k| component_unit(quantity, k)).collect(),
             rotation: rotation(quantity).map_or(0, |(count, _)| count),
             is_of_a_matrix: false,
             slots: 0..0,

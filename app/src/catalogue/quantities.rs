@@ -26,13 +26,25 @@ pub fn unit(quantity: &Quantity) -> &'static str {
     if (1..quantity.components.len()).all(is_first) { first } else { "" }
 }
 
-/// Lists the units of all components of some quantities.
-pub(crate) fn units(quantities: &[Quantity]) -> Vec<&'static str> {
-    let of = |quantity: &Quantity| {
-        let quantity = *quantity;
-        (0..quantity.components.len()).map(move |component| component_unit(&quantity, component))
-    };
-    quantities.iter().flat_map(of).collect()
+/// A component of a quantity.
+pub(crate) struct Component {
+    pub(crate) quantity: &'static Quantity,
+    /// Joined with its quantity's.
+    pub(crate) name: String,
+    pub(crate) unit: &'static str,
+    /// Its place in a list of the numbers of all quantities.
+    pub(crate) slot: usize,
+}
+
+/// Lists all components of some quantities, in order.
+pub(crate) fn components(quantities: &'static [Quantity]) -> impl Iterator<Item = Component> {
+    Quantity::with_ranges(quantities).flat_map(|(quantity, slots)| {
+        let one = move |(k, component): (usize, &&str)| {
+            let (name, unit) = (component_name(quantity, component), component_unit(quantity, k));
+            Component { quantity, name, unit, slot: slots.start + k }
+        };
+        quantity.components.iter().enumerate().map(one)
+    })
 }
 
 /// Counts the numbers of tangent vectors.

@@ -141,7 +141,6 @@ pub struct Session<'e> {
 }
 
 /// The destination of the trajectory's rows.
-#[derive(Debug)]
 enum Rows {
     /// Nowhere.
     Discarded,

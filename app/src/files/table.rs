@@ -54,10 +54,8 @@ impl TrajectoryWriter {
                 }
             })
         };
-        match rows() {
-            Ok(rows) => Ok(Self { path: path.to_owned(), rows }),
-            Err(source) => Err(failure(path, source)),
-        }
+        let rows = rows().map_err(|source| failure(path, source))?;
+        Ok(Self { path: path.to_owned(), rows })
     }
 
     /// Adds a row: time, the state's components, energy.
@@ -85,22 +83,14 @@ impl TrajectoryWriter {
             file.flush()?;
             Ok(file)
         };
-        match finish() {
-            Ok(file) => Ok((self.path, file)),
-            Err(source) => Err(failure(&self.path, source)),
-        }
+        let file = finish().map_err(|source| failure(&self.path, source))?;
+        Ok((self.path, file))
     }
 }
 
 /// That nobody reads the standard output is no error.
 fn failure(path: &Path, source: io::Error) -> Error {
     if super::is_stdout(path) { Error::Console(source) } else { FileError::write(path, source).into() }
-}
-
-impl std::fmt::Debug for TrajectoryWriter {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("TrajectoryWriter").field("path", &self.path).finish_non_exhaustive()
-    }
 }
 
 /// A header and numbers.

@@ -4,7 +4,6 @@ use coadjoint::system::{Quantity, Role};
 
 use super::format::{Detail, DetailValue, FORMAT, Page, Plot, Run, Scale, Series, Space};
 use crate::catalogue::plotted::PlottedQuantity;
-use crate::catalogue::quantities::rotation;
 use crate::catalogue::{ControlLaw, Entry, casimir, unit};
 use crate::record::{PageRecorder, PageSamples};
 use crate::scene::{self, Frames, rounded};
@@ -91,7 +90,10 @@ impl Plots<'_> {
     /// Draws a quantity.
     fn plots_of(&self, quantity: &PlottedQuantity) -> Vec<Plot> {
         let start = quantity.slots.start;
-        let names: Vec<String> = component_names(self.entry, quantity);
+        let names: Vec<String> = match &quantity.components[..] {
+            [_] => vec![String::new()],
+            names => names.iter().map(|name| name.replace('_', " ")).collect(),
+        };
         let series = |places: &[usize]| -> Vec<Series> {
             places.iter().map(|&k| self.series(&names[k], |state| state[start + k])).collect()
         };
@@ -192,25 +194,6 @@ fn common(names: &[String], places: &[usize]) -> String {
     };
     let first = names.first().map(|name| begin(name)).unwrap_or_default();
     if names.iter().all(|name| begin(name) == first) { first } else { names.join(" ") }
-}
-
-/// Names a quantity's components; those of the momentum of a rigid motion by its two parts.
-fn component_names(entry: &Entry, quantity: &PlottedQuantity) -> Vec<String> {
-    if quantity.components.len() == 1 {
-        return vec![String::new()];
-    }
-    let before = entry.description.state.iter().take_while(|other| other.name != quantity.name);
-    let configuration = before.filter(|other| other.role == Role::Configuration).last();
-    let rigid = configuration.and_then(|other| {
-        let (count, _) = rotation(other).filter(|(count, _)| *count < other.components.len())?;
-        (quantity.role == Role::Momentum).then_some(count)
-    });
-    let names: &[&str] = match (rigid, quantity.components.len()) {
-        (Some(4), 6) => &["angular x", "angular y", "angular z", "linear x", "linear y", "linear z"],
-        (Some(2), 3) => &["angular", "linear x", "linear y"],
-        _ => return quantity.components.clone(),
-    };
-    names.iter().map(|&name| name.to_owned()).collect()
 }
 
 #[cfg(test)]

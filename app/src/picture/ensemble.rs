@@ -4,7 +4,7 @@ use coadjoint::ensemble::Spread;
 
 use super::{Axis, Color, Figure, Key, Panel, Series};
 use crate::catalogue::Entry;
-use crate::catalogue::quantities::units;
+use crate::catalogue::quantities::components;
 use crate::simulate::ensemble::{EnsembleSpec, EnsembleSummary, Observable};
 use crate::units::{grouped, with_unit};
 
@@ -21,7 +21,7 @@ pub(crate) fn figure(
     spread: &[String],
 ) -> Figure {
     const TIME: &str = "time, s";
-    let units = units(entry.description.state);
+    let units: Vec<&str> = components(entry.description.state).map(|component| component.unit).collect();
     let panel = |((name, observable), spreads): (&(String, Observable), &Vec<Spread>)| {
         let edge = |k: usize| {
             let points = spreads.iter().filter(|spread| spread.members > 0);

@@ -4,8 +4,9 @@ use std::ops::Range;
 
 use coadjoint::system::Quantity;
 
+use crate::catalogue::quantities::{Component, components};
 use crate::catalogue::suggest::did_you_mean;
-use crate::catalogue::{Entry, component_name, component_unit, unit};
+use crate::catalogue::{Entry, unit};
 use crate::error::SetupError;
 
 /// The names that can be assigned to: those of some parts of a setup, with a word for them.
@@ -57,18 +58,20 @@ impl Name {
         let mut whole = Vec::new();
         let mut single = Vec::new();
         for &part in which.0 {
-            for (quantity, slots) in Quantity::with_ranges(part.quantities(entry)) {
-                // a number in a list of one has a component's name too, as in tables
-                if quantity.components != [""] {
-                    single.extend(quantity.components.iter().enumerate().map(|(k, component)| {
-                        let (name, slot) = (component_name(quantity, component), slots.start + k);
-                        let unit = component_unit(quantity, k);
-                        Name { name, part, quantity, slots: slot..slot + 1, unit }
-                    }));
-                }
+            let quantities = part.quantities(entry);
+            // a number in a list of one has a component's name too, as in tables
+            let named = components(quantities).filter(|component| component.quantity.components != [""]);
+            single.extend(named.map(|Component { quantity, name, unit, slot }| Name {
+                name,
+                part,
+                quantity,
+                slots: slot..slot + 1,
+                unit,
+            }));
+            whole.extend(Quantity::with_ranges(quantities).map(|(quantity, slots)| {
                 let (name, unit) = (quantity.name.to_owned(), unit(quantity));
-                whole.push(Name { name, part, quantity, slots, unit });
-            }
+                Name { name, part, quantity, slots, unit }
+            }));
         }
         whole.extend(single);
         whole

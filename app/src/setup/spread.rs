@@ -6,8 +6,8 @@ use super::Setup;
 use super::names::{Name, Names, Part, count, named, numbers};
 use super::random::Random;
 use super::transport::displace;
-use crate::catalogue::quantities::{matrix_order, rotation, tangent_length};
-use crate::catalogue::{Entry, component_name, component_unit};
+use crate::catalogue::Entry;
+use crate::catalogue::quantities::{Component, components, matrix_order, rotation, tangent_length};
 use crate::error::SetupError;
 
 /// How members of an ensemble differ: each number evenly within its width about the setup's, each rotation by a turn of
@@ -159,15 +159,11 @@ impl Variation {
             (entry.description.state, &self.state, true),
         ];
         for (quantities, widths, of_state) in parts {
-            for (quantity, place) in Quantity::with_ranges(quantities) {
-                for (k, (component, slot)) in quantity.components.iter().zip(place).enumerate() {
-                    // what mirrors another number is the same
-                    let is_second = !of_state && self.mirrored.iter().any(|(_, second)| *second == slot);
-                    if widths[slot] > 0.0 && !is_second {
-                        let name = component_name(quantity, component);
-                        let unit = component_unit(quantity, k);
-                        slots.push((of_state, slot, SampledRange { name, unit, range: NOTHING }));
-                    }
+            for Component { name, unit, slot, .. } in components(quantities) {
+                // what mirrors another number is the same
+                let is_second = !of_state && self.mirrored.iter().any(|(_, second)| *second == slot);
+                if widths[slot] > 0.0 && !is_second {
+                    slots.push((of_state, slot, SampledRange { name, unit, range: NOTHING }));
                 }
             }
         }

@@ -10,10 +10,13 @@ use coadjoint_classical::{Diverged, RungeKutta};
 use crate::catalogue::quantities::tangent_length;
 use crate::setup::Classical;
 
-/// Builds a stepper with this step.
-pub(super) fn stepper(
-    classical: Classical,
+/// Builds a stepper that takes the steps of a classical method of any system, by its vector field.
+///
+/// # Errors
+/// If parameters or step are not valid.
+pub fn stepper(
     system: Arc<dyn erased::System>,
+    classical: Classical,
     step: f64,
 ) -> Result<erased::Stepper, ParameterError> {
     let scheme = classical.runge_kutta();
