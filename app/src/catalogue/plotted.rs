@@ -41,18 +41,8 @@ pub(crate) struct PlottedQuantity {
     pub(crate) is_of_a_matrix: bool,
     /// Its place among the [numbers](PlottedQuantities::numbers).
     pub(crate) slots: Range<usize>,
-    source: Source,
-}
-
-/// Where a quantity's numbers are in a state.
-#[derive(Clone, Debug, PartialEq)]
-enum Source {
-    /// Here.
-    Slots(Range<usize>),
-    /// Here, by rows those of a matrix: as a quaternion, or as a unit complex number.
-    Rotation(Vec<usize>),
-    /// Here and there.
-    Entries(Vec<usize>),
+    /// Where its numbers are in a state; of the rotation of a matrix in space nine, by rows.
+    source: Vec<usize>,
 }
 
 impl PlottedQuantity {
@@ -65,7 +55,7 @@ impl PlottedQuantity {
             rotation: rotation(quantity).map_or(0, |(count, _)| count),
             is_of_a_matrix: false,
             slots: 0..0,
-            source: Source::Slots(slots),
+            source: slots.collect(),
         }
     }
 
@@ -76,11 +66,11 @@ impl PlottedQuantity {
 
     /// Tells whether it turns or moves in space, not only in a plane or on a line.
     fn is_spatial(&self) -> bool {
-        match (&self.source, self.rotation) {
-            (_, 4) => self.role == Role::Configuration,
-            (_, 2) => false,
-            (Source::Slots(_), _) if self.is_of_a_matrix => self.components.len() > 4,
-            _ => self.components.len() == 3,
+        match (self.rotation, self.components.len()) {
+            (4, _) => self.role == Role::Configuration,
+            (2, _) => false,
+            // parts of a matrix have fewer
+            (_, count) => count == 3 || (self.is_of_a_matrix && count > ENTRIES),
         }
     }
 }
@@ -149,18 +139,15 @@ impl PlottedQuantities {
         }
         let at = |slot: &usize| state.get(*slot).copied().unwrap_or(f64::NAN);
         let mut numbers = Vec::with_capacity(state.len());
-        for PlottedQuantity { source, .. } in &self.quantities {
-            match source {
-                Source::Slots(slots) => numbers.extend(slots.clone().map(|slot| at(&slot))),
-                Source::Rotation(slots) if slots.len() == 9 => {
-                    let matrix = Matrix3::from_row_iterator(slots.iter().map(at));
-                    let rotation = Rotation3::from_matrix_unchecked(matrix);
-                    let [i, j, k, w]: [f64; 4] =
-                        UnitQuaternion::from_rotation_matrix(&rotation).coords.into();
-                    numbers.extend([w, i, j, k]);
-                }
-                Source::Rotation(slots) | Source::Entries(slots) => numbers.extend(slots.iter().map(at)),
+        for PlottedQuantity { source, components, .. } in &self.quantities {
+            if source.len() == components.len() {
+                numbers.extend(source.iter().map(at));
+                continue;
             }
+            let matrix = Matrix3::from_row_iterator(source.iter().map(at));
+            let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix));
+            let [i, j, k, w]: [f64; 4] = rotation.coords.into();
+            numbers.extend([w, i, j, k]);
         }
         Cow::Owned(numbers)
     }
@@ -226,18 +213,12 @@ impl Parts {
                     && stems.iter().all(|stem| stem == *first)
                     && vectors.iter().all(|(name, _)| name != *first)
             });
-            vectors.push((
-                stem.map_or_else(|| format!("column_{}", column + 1), |&stem| stem.to_owned()),
-                column,
-            ));
+            let name = stem.map_or_else(|| format!("column_{}", column + 1), |&stem| stem.to_owned());
+            vectors.push((name, column));
         }
         let behind = (turns..rows).flat_map(|row| (0..rows).map(move |column| (row, column)));
-        Self {
-            rows,
-            turns,
-            vectors,
-            others: behind.filter(|&(row, column)| moves(all, row, column)).collect(),
-        }
+        let others = behind.filter(|&(row, column)| moves(all, row, column)).collect();
+        Self { rows, turns, vectors, others }
     }
 
     /// Where the numbers of the rotation are, of a matrix from this slot on: in the plane those of its first column,
@@ -250,35 +231,33 @@ impl Parts {
 
     /// Lists its quantities, of a matrix from this slot on.
     fn shown(&self, matrix: &Quantity, start: usize) -> Vec<PlottedQuantity> {
-        let quantity = |part: &str, components: Vec<String>, source: Source| PlottedQuantity {
-            units: match &source {
-                Source::Entries(entries) => {
-                    entries.iter().map(|entry| component_unit(matrix, entry - start)).collect()
-                }
-                Source::Slots(_) | Source::Rotation(_) => vec![""; components.len()],
-            },
+        let quantity = |part: &str, components: &[&str], source: Vec<usize>| PlottedQuantity {
             name: if part.is_empty() { matrix.name.to_owned() } else { format!("{}_{part}", matrix.name) },
             role: matrix.role,
-            rotation: if matches!(source, Source::Rotation(_)) { components.len() } else { 0 },
-            components,
+            components: components.iter().map(|&name| name.to_owned()).collect(),
+            units: source.iter().map(|slot| component_unit(matrix, slot - start)).collect(),
+            rotation: 0,
             is_of_a_matrix: true,
             slots: 0..0,
             source,
         };
-        let named = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
+        let slot = |row: usize, column: usize| start + row * self.rows + column;
         let mut shown = Vec::new();
         if self.turns > 0 {
-            let components = named(if self.turns == 3 { &["w", "x", "y", "z"] } else { &["re", "im"] });
-            shown.push(quantity("rotation", components, Source::Rotation(self.turning(start))));
+            let components: &[&str] = if self.turns == 3 { &["w", "x", "y", "z"] } else { &["re", "im"] };
+            let (rotation, units) = (components.len(), vec![""; components.len()]);
+            let turning = quantity("rotation", components, self.turning(start));
+            shown.push(PlottedQuantity { rotation, units, ..turning });
         }
         for (name, column) in &self.vectors {
-            let entries = (0..self.turns).map(|row| start + row * self.rows + column).collect();
-            shown.push(quantity(name, named(&["x", "y", "z"][..self.turns]), Source::Entries(entries)));
+            let entries = (0..self.turns).map(|row| slot(row, *column)).collect();
+            shown.push(quantity(name, &["x", "y", "z"][..self.turns], entries));
         }
         if (1..=ENTRIES).contains(&self.others.len()) {
             let names = self.others.iter().map(|(row, column)| format!("{}{}", row + 1, column + 1));
-            let entries = self.others.iter().map(|(row, column)| start + row * self.rows + column);
-            shown.push(quantity("", names.collect(), Source::Entries(entries.collect())));
+            let entries = self.others.iter().map(|&(row, column)| slot(row, column)).collect();
+            let components = names.collect();
+            shown.push(PlottedQuantity { components, ..quantity("", &[], entries) });
         }
         shown
     }

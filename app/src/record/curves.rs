@@ -155,11 +155,7 @@ impl Curves {
                 (PartKind::PlaneRotation, &[re, im]) => [im.atan2(re), 0.0, 0.0],
                 (PartKind::PlaneRotation, _) => [f64::NAN; 3],
             };
-            let now = match (part.kind, *angles) {
-                (_, None) => now,
-                (PartKind::Rotation, Some(before)) => continued(now, before),
-                (_, Some([before, ..])) => [now[0] + TAU * ((before - now[0]) / TAU).round(), 0.0, 0.0],
-            };
+            let now = angles.map_or(now, |before| continued(now, before));
             *angles = Some(now);
             for (curve, angle) in curves.by_ref().take(part.curves()).zip(now) {
                 curve.push(sample.index, sample.time, angle.to_degrees());
