@@ -24,7 +24,9 @@ pub trait Example:
     const CERTIFIED_STEP: Option<f64> = None;
     /// The unit of its energy.
     const ENERGY_UNIT: &'static str = "J";
-    /// The units of its [Casimirs](System::CASIMIRS) in their order, empty for pure numbers; none where none are known.
+    /// The units of its [Casimirs](System::CASIMIRS), in their order.
+    ///
+    /// Empty for pure numbers; no units at all where none are known.
     const CASIMIR_UNITS: &'static [&'static str] = &[];
 
     /// Parameters and an initial state worth looking at.

@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, Matrix3, Rotation3, UnitQuaternion};
 
 use super::quantities::{component_unit, matrix_order, rotation, tangent_length};
 
-/// Entries of a matrix that can be told apart in a plot, at most.
+/// The most entries of a matrix that a plot tells apart.
 const ENTRIES: usize = 6;
 /// Entries that differ by less are the same.
 const ROUNDOFF: f64 = 1e-9;
@@ -41,7 +41,7 @@ pub(crate) struct PlottedQuantity {
     pub(crate) is_of_a_matrix: bool,
     /// Its place among the [numbers](PlottedQuantities::numbers).
     pub(crate) slots: Range<usize>,
-    /// Where its numbers are in a state; of the rotation of a matrix in space nine, by rows.
+    /// Where its numbers are in a state: nine of a matrix's rotation in space.
     source: Vec<usize>,
 }
 
@@ -153,7 +153,7 @@ impl PlottedQuantities {
     }
 }
 
-/// Displaces the unit matrix along each coordinate of its group, and along all of them.
+/// Displaces the unit matrix along each coordinate, and along all.
 fn elements(
     system: &dyn erased::System,
     example: &[f64],
@@ -188,7 +188,7 @@ struct Parts {
 }
 
 impl Parts {
-    /// Finds them in elements along each coordinate, which have these names, and in one along all.
+    /// Finds them in elements along each coordinate, and along all.
     fn of((along, all): &(Vec<DMatrix<f64>>, DMatrix<f64>), coordinates: &[&str]) -> Self {
         let rows = all.nrows();
         let moves = |element: &DMatrix<f64>, row: usize, column: usize| {

@@ -7,10 +7,10 @@ pub fn component_name(quantity: &Quantity, component: &str) -> String {
     if component.is_empty() { quantity.name.to_owned() } else { format!("{}_{component}", quantity.name) }
 }
 
-/// Tells the unit of a component: empty for a pure number, and where none is known.
+/// Tells the unit of a component, empty where none is known.
 ///
-/// Where components differ, the description lists their units, separated by commas: `"1, 1, m, m"`. A list shorter than
-/// the quantity begins anew, so that of a matrix each column has a unit.
+/// A pure number has none. Where components differ, the description lists their units, separated by commas:
+/// `"1, 1, m, m"`. A list shorter than the quantity begins anew, so that of a matrix each column has a unit.
 pub fn component_unit(quantity: &Quantity, component: usize) -> &'static str {
     let units: Vec<&str> = quantity.unit.unwrap_or_default().split(',').map(str::trim).collect();
     match units[component % units.len()] {
@@ -19,7 +19,7 @@ pub fn component_unit(quantity: &Quantity, component: usize) -> &'static str {
     }
 }
 
-/// Tells the unit that all components of a quantity have; empty where they differ.
+/// Tells the unit of all components, empty where they differ.
 pub fn unit(quantity: &Quantity) -> &'static str {
     let first = component_unit(quantity, 0);
     let is_first = |component| component_unit(quantity, component) == first;

@@ -92,7 +92,7 @@ impl Console<'_> {
         Ok(())
     }
 
-    /// Prints a JSON object, if one was asked for, with all notes so far and the files that were written.
+    /// Prints a JSON object with notes and files, if asked for.
     ///
     /// # Errors
     /// If it cannot be written.

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use clap::Args;
-use coadjoint::system::Quantity;
+use coadjoint::system::{Kind, Quantity};
 use serde_json::{Value, json};
 
 use super::console::OutputMode;
@@ -102,16 +102,11 @@ fn quantities(
     Ok(())
 }
 
-/// The order of a quantity's numbers, `(w, x, y, z)`; nothing of a single one, or of a matrix, which has a pattern.
+/// The order of a quantity's numbers, `(w, x, y, z)`, where it is not obvious.
 fn order(quantity: &Quantity) -> String {
-    match quantity.components {
-        [_] | [] => String::new(),
-        components
-            if components.iter().all(|component| component.len() == 2 && !component.starts_with('p')) =>
-        {
-            String::new()
-        }
-        components => format!("({})", components.join(", ")),
+    match (quantity.kind, quantity.components) {
+        (Kind::Matrix(..) | Kind::SymmetricMatrix(_) | Kind::UnitComplex, _) | (_, [_] | []) => String::new(),
+        (_, components) => format!("({})", components.join(", ")),
     }
 }
 

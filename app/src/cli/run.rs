@@ -150,7 +150,7 @@ fn described(
     execute(motion.entry, plan, arguments.open, arguments.checkpoint.as_deref(), console)
 }
 
-/// Plans a run of which every step is looked at, and nothing is written yet.
+/// Plans a run that looks at every step and writes nothing.
 fn planned(motion: &Motion<'_>, chosen: &ChosenRun) -> Plan {
     Plan {
         system: motion.entry.name.clone(),

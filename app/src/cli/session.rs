@@ -15,7 +15,7 @@ use crate::catalogue::{Catalogue, Entry};
 use crate::error::{Error, FileError, SetupError};
 use crate::files::{
     CheckpointStore, NewFile, OverwriteGuard, PlannedFile, Provenance, Status, TrajectoryWriter, Written,
-    beside, digest, is_stdout,
+    digest, file_in, is_stdout, rows_of,
 };
 use crate::page::{PageHeading, page};
 use crate::picture::{Kind, run_figure};
@@ -73,17 +73,13 @@ struct RunFiles {
 
 impl RunFiles {
     fn of(entry: &Entry, plan: &Plan) -> Result<Self, Error> {
-        let to_stdout = is_stdout(&plan.out);
-        if to_stdout && plan.plot {
+        if is_stdout(&plan.out) && plan.plot {
             let reason = "`--plot` writes pictures: `--out` has to name a directory";
             return Err(SetupError::new("out", "-", reason).into());
         }
         let stem = plan.provenance(entry).stem(entry, &plan.job);
-        let place = |extension: &str| plan.out.join(format!("{stem}.{extension}"));
-        let trajectory = plan.format.map(|format| match to_stdout {
-            true => (format, plan.out.clone()),
-            false => (format, place(format.extension())),
-        });
+        let place = |extension: &str| file_in(&plan.out, &format!("{stem}.{extension}"));
+        let trajectory = plan.format.map(|format| (format, place(format.extension())));
         let kinds = if plan.plot { Kind::ALL } else { &[] };
         Ok(Self { trajectory, pictures: kinds.iter().map(|kind| (*kind, place(kind.extension()))).collect() })
     }
@@ -157,7 +153,7 @@ pub struct FinishedRun<'e> {
     pub entry: &'e Entry,
     /// Its plan.
     pub plan: Plan,
-    /// What was found, of the steps since it was started or resumed; no step is timed yet.
+    /// The findings of the steps since it was started or resumed; none is timed.
     pub summary: RunSummary,
     /// The files that it wrote.
     pub written: Vec<PathBuf>,
@@ -345,7 +341,7 @@ fn claimed(
     let inputs = plan.inputs.iter().map(|path| file("what describes the run", path, false));
     let mut planned: Vec<PlannedFile> = inputs.collect();
     planned.extend(checkpoint.map(|path| file("the checkpoint", path, false)));
-    planned.extend(checkpoint.map(|path| file("the checkpoint's rows", &beside(path, "rows"), false)));
+    planned.extend(checkpoint.map(|path| file("the checkpoint's rows", &rows_of(path), false)));
     planned.extend(files.trajectory.iter().map(|(_, path)| file("the trajectory", path, true)));
     planned.extend(plan.html.iter().map(|path| file("the page", path, true)));
     planned.extend(files.pictures.iter().map(|(_, path)| file("the picture", path, true)));
@@ -446,7 +442,7 @@ mod tests {
             drop(CheckpointStore::begin(&path, Vec::new(), &file).expect("writable"));
             let resumed = Session::resume(catalogue(), &path);
             let _ = std::fs::remove_file(&path);
-            let _ = std::fs::remove_file(beside(&path, "rows"));
+            let _ = std::fs::remove_file(rows_of(&path));
             resumed.map(|_| ()).map_err(|error| error.to_string())
         };
         assert_eq!(resumed(&|_| {}), Ok(()));

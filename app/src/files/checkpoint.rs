@@ -185,16 +185,11 @@ impl CheckpointStore {
     }
 }
 
-/// Names the file of a checkpoint with this ending.
-pub(crate) fn beside(checkpoint: &Path, ending: &str) -> PathBuf {
+/// Names the file of a checkpoint's rows.
+pub(crate) fn rows_of(checkpoint: &Path) -> PathBuf {
     let mut name = checkpoint.as_os_str().to_owned();
-    name.push(".");
-    name.push(ending);
-    PathBuf::from(name)
-}
-
-fn rows_of(checkpoint: &Path) -> PathBuf {
-    beside(checkpoint, "rows")
+    name.push(".rows");
+    name.into()
 }
 
 /// Locks the rows of a checkpoint, as long as they are open.

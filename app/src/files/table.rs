@@ -19,7 +19,7 @@ use crate::setup::Format;
 pub(super) trait Rows {
     /// Adds a row: time, the state's components, energy.
     fn row(&mut self, row: &[f64]) -> io::Result<()>;
-    /// Ends the file, with what is known of the run now, by its name.
+    /// Ends the file with what is known of the run, by name.
     fn finish(self: Box<Self>, known: &Map<String, Value>) -> io::Result<NewFile>;
 }
 

@@ -38,7 +38,7 @@ pub enum Method {
     Classical(Classical),
 }
 
-/// Declares the classical methods: each with its name on the command line and its coefficients.
+/// Declares classical methods: their names on the command line, and their coefficients.
 macro_rules! classical {
     ($(#[$about:meta])* { $($(#[$doc:meta])* $method:ident, $name:literal, $tableau:ident;)* }) => {
         $(#[$about])*
@@ -153,7 +153,7 @@ impl Method {
         }
     }
 
-    /// Its name where methods are listed, and what it is.
+    /// Its name in lists, and its description.
     fn words(self) -> (&'static str, Cow<'static, str>) {
         let (name, about) = match self {
             Method::Standard => ("standard", "the system's standard step of order 2: `euler-a` or `verlet`"),

@@ -9,7 +9,7 @@ use crate::catalogue::suggest::did_you_mean;
 use crate::catalogue::{Entry, unit};
 use crate::error::SetupError;
 
-/// The names that can be assigned to: those of some parts of a setup, with a word for them.
+/// Names in some parts of a setup, with a word for them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Names(&'static [Part], &'static str);
 

@@ -91,8 +91,7 @@ pub(super) fn moved(system: &dyn erased::System, from: &[f64], to: &[f64]) -> Op
     Some(state)
 }
 
-/// The rotation that leads from one configuration to another, as a part of a tangent vector; of a vector the
-/// difference.
+/// The rotation between two configurations, as a tangent vector; of vectors the difference.
 fn turn(kind: Kind, side: Side, from: &[f64], to: &[f64]) -> Option<Vec<f64>> {
     Some(match kind {
         Kind::Scalar | Kind::Vector(_) => to.iter().zip(from).map(|(to, from)| to - from).collect(),
@@ -111,7 +110,7 @@ fn turn(kind: Kind, side: Side, from: &[f64], to: &[f64]) -> Option<Vec<f64>> {
     })
 }
 
-/// The shift of a rigid motion that is turned already, as the other part of a tangent vector.
+/// The shift of a rigid motion that is turned already.
 fn shift(quantity: &Quantity, side: Side, turned: &[f64], to: &[f64]) -> Vec<f64> {
     let missing = |slot: usize| to[slot] - turned[slot];
     match (quantity.kind, side) {
@@ -137,8 +136,39 @@ fn quaternion(q: &[f64]) -> UnitQuaternion<f64> {
 
 #[cfg(test)]
 mod tests {
+    use coadjoint::prelude::*;
+
     use super::*;
     use crate::setup::random::Random;
+
+    /// A plate on water, seen from the shore.
+    #[lie_poisson_system(group = SE2, invariance = right, retractions(Cayley))]
+    struct Plate {
+        #[inertia]
+        inertia: Vector3<f64>,
+    }
+
+    #[test]
+    fn configurations_of_every_kind_are_reached() {
+        let reached = |system: &dyn erased::System, from: &[f64], to: &[f64]| {
+            let there = moved(system, from, to).expect("no matrix");
+            let error = there.iter().zip(to).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+            assert!(error < 1e-14, "{from:?}: {there:?}, {to:?}");
+        };
+        let plate = Plate { inertia: Vector3::repeat(1.0) };
+        let (from, to) = ([1.0, 0.0, 0.5, -2.0, 0.0, 0.0, 0.0], [0.6, -0.8, 3.0, 1.0, 0.0, 0.0, 0.0]);
+        reached(&plate, &from, &to);
+        for (name, configuration) in [
+            ("planar_pendulum", &[0.6, -0.8][..]),
+            ("rigid_body_in_space", &[0.5, 0.5, -0.5, 0.5, 3.0, 1.0, -2.0]),
+            ("kepler", &[0.25, 3.0, -1.0]),
+        ] {
+            let entry = crate::test_systems::catalogue().system(name).expect("it is there");
+            let (from, mut to) = (&entry.example.state, entry.example.state.clone());
+            to[..configuration.len()].copy_from_slice(configuration);
+            reached(&*entry.system(&entry.example.parameters), from, &to);
+        }
+    }
 
     fn matrix(n: usize, random: &mut Random) -> DMatrix<f64> {
         DMatrix::from_fn(n, n, |_, _| 3.0 * random.even())
