@@ -32,20 +32,21 @@ impl Example for HeavyTop {
     control(motor: R1),
     potential = -weight * angle.cos_angle(),
     force = motor,
-    methods(Midpoint)
+    methods(Midpoint),
+    units(motor = "N m")
 )]
 struct DrivenPendulum {
     /// Moment of inertia about the pivot, kg m².
     #[inertia]
+    #[unit("kg m²")]
     inertia: f64,
     /// Times the distance from the pivot to the centre of mass, N m.
+    #[unit("N m")]
     weight: f64,
 }
 
 impl Example for DrivenPendulum {
     const ABOUT: &'static str = "a pendulum that swings in a plane";
-    const UNITS: &'static [(&'static str, &'static str)] =
-        &[("inertia", "kg m²"), ("weight", "N m"), ("motor", "N m")];
 
     fn example() -> (Self, DrivenPendulumState) {
         let start = DrivenPendulumState { angle: UnitComplex::new(1.0), momentum: vector![0.1] };

@@ -66,31 +66,27 @@ pub struct SetupError {
 }
 
 /// A file that cannot be used.
-#[derive(Debug)]
+#[derive(Debug, Error)]
 #[non_exhaustive]
-pub struct FileError {
-    /// The file.
-    pub path: PathBuf,
-    /// The cause.
-    pub source: FileProblem,
-}
-
-/// Why a file cannot be used.
-#[derive(Debug)]
-#[non_exhaustive]
-pub enum FileProblem {
+pub enum FileError {
     /// It cannot be read.
-    Read(io::Error),
+    #[error("cannot read {}: {}", .0.display(), .1)]
+    Read(PathBuf, io::Error),
     /// It cannot be written.
-    Write(io::Error),
+    #[error("cannot write {}: {}", .0.display(), .1)]
+    Write(PathBuf, io::Error),
     /// It exists, and another run or another program made it, as said here.
-    Taken(String),
+    #[error("{} exists and {}: `--force` replaces it", .0.display(), .1)]
+    Taken(PathBuf, String),
     /// Two files of one command would be the same, which are these to it.
-    Shared([&'static str; 2]),
+    #[error("{} would be both {} and {}", .0.display(), .1[0], .1[1])]
+    Shared(PathBuf, [&'static str; 2]),
     /// Another process uses it.
-    InUse,
+    #[error("{} is in use by another run", .0.display())]
+    InUse(PathBuf),
     /// Its content cannot be used, as said here.
-    Damaged(String),
+    #[error("{} {}", .0.display(), .1)]
+    Damaged(PathBuf, String),
 }
 
 /// A run that could not be started or finished.
@@ -161,23 +157,18 @@ impl Error {
     }
 }
 
-impl From<ParameterError> for Error {
-    fn from(error: ParameterError) -> Self {
-        Self::Run(StepperError::from(error).into())
-    }
+/// Makes an error of the program of what a run could not do.
+macro_rules! of_runs {
+    ($($source:ty),*) => {
+        $(impl From<$source> for Error {
+            fn from(error: $source) -> Self {
+                Self::Run(error.into())
+            }
+        })*
+    };
 }
 
-impl From<coadjoint::RunError> for Error {
-    fn from(error: coadjoint::RunError) -> Self {
-        Self::Run(error.into())
-    }
-}
-
-impl From<Diverged> for Error {
-    fn from(error: Diverged) -> Self {
-        Self::Run(error.into())
-    }
-}
+of_runs!(ParameterError, coadjoint::RunError, Diverged);
 
 impl From<ParameterError> for RunError {
     fn from(error: ParameterError) -> Self {
@@ -201,32 +192,16 @@ impl SetupError {
 impl FileError {
     /// A file that cannot be read.
     pub fn read(path: &Path, source: io::Error) -> Self {
-        Self { path: path.to_owned(), source: FileProblem::Read(source) }
+        Self::Read(path.to_owned(), source)
     }
 
     /// A file that cannot be written.
     pub fn write(path: &Path, source: io::Error) -> Self {
-        Self { path: path.to_owned(), source: FileProblem::Write(source) }
+        Self::Write(path.to_owned(), source)
     }
 
     /// A file with a content that cannot be used.
     pub(crate) fn damaged(path: &Path, what: &str) -> Self {
-        Self { path: path.to_owned(), source: FileProblem::Damaged(what.to_owned()) }
+        Self::Damaged(path.to_owned(), what.to_owned())
     }
 }
-
-impl fmt::Display for FileError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let path = self.path.display();
-        match &self.source {
-            FileProblem::Read(source) => write!(f, "cannot read {path}: {source}"),
-            FileProblem::Write(source) => write!(f, "cannot write {path}: {source}"),
-            FileProblem::Taken(made) => write!(f, "{path} exists and {made}: `--force` replaces it"),
-            FileProblem::Shared([one, other]) => write!(f, "{path} would be both {one} and {other}"),
-            FileProblem::InUse => write!(f, "{path} is in use by another run"),
-            FileProblem::Damaged(what) => write!(f, "{path} {what}"),
-        }
-    }
-}
-
-impl std::error::Error for FileError {}

@@ -47,21 +47,10 @@ impl Page {
     pub fn to_html(&self) -> String {
         // a `<` inside a script could end it
         let data = serde_json::to_string(self).unwrap_or_default().replace('<', "\\u003c");
-        let script = SCRIPTS.concat();
-        let mut html = String::with_capacity(PAGE.len() + STYLE.len() + data.len() + script.len());
-        let mut rest = PAGE;
-        for (place, part) in [
-            ("__COADJOINT_STYLE__", STYLE),
-            ("__COADJOINT_DATA__", data.as_str()),
-            ("__COADJOINT_SCRIPT__", script.as_str()),
-        ] {
-            let (before, after) = rest.split_once(place).unwrap_or((rest, ""));
-            html.push_str(before);
-            html.push_str(part);
-            rest = after;
-        }
-        html.push_str(rest);
-        html
+        let page = PAGE.replacen("__COADJOINT_STYLE__", STYLE, 1);
+        let page = page.replacen("__COADJOINT_SCRIPT__", &SCRIPTS.concat(), 1);
+        // at the end: nothing in the data is a place
+        page.replacen("__COADJOINT_DATA__", &data, 1)
     }
 
     /// Reads data, or those of a page.

@@ -3,30 +3,35 @@
 use std::sync::LazyLock;
 
 use coadjoint::prelude::*;
+use coadjoint::system::Quantity;
 
+use crate::catalogue::{component_unit, unit};
 use crate::{Catalogue, Example};
 
 /// A heavy top: an attitude and an advected vector.
-#[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.dot(&chi), methods(Midpoint))]
+#[lie_poisson_system(
+    group = SO3,
+    advected(gamma: R3),
+    potential = weight * gamma.dot(&chi),
+    methods(Midpoint),
+    units(momentum = "kg m²/s")
+)]
 pub(crate) struct HeavyTop {
     /// Principal moments of inertia about the fixed point, kg m².
     #[inertia]
+    #[unit("kg m²")]
     pub(crate) inertia: Vector3<f64>,
     /// Mass times gravitational acceleration, N.
+    #[unit("N")]
     pub(crate) weight: f64,
     /// From the fixed point to the centre of mass, in body axes, m.
+    #[unit("m")]
     pub(crate) chi: Vector3<f64>,
 }
 
 impl Example for HeavyTop {
     const ABOUT: &'static str = "a rigid body that turns about a fixed point under gravity";
-    const UNITS: &'static [(&'static str, &'static str)] = &[
-        ("inertia", "kg m²"),
-        ("weight", "N"),
-        ("chi", "m"),
-        ("momentum", "kg m²/s"),
-        ("momentum·gamma", "kg m²/s"),
-    ];
+    const CASIMIR_UNITS: &'static [&'static str] = &["", "kg m²/s"];
 
     fn example() -> (Self, HeavyTopState) {
         let top = HeavyTop { inertia: vector![1.0, 10.0, 100.0], weight: 1.0, chi: Vector3::z() };
@@ -71,7 +76,14 @@ impl Example for PlanarPendulum {
 }
 
 /// A body in space: a rigid motion.
-#[lie_poisson_system(group = SE3, retractions(Cayley))]
+#[lie_poisson_system(
+    group = SE3,
+    retractions(Cayley),
+    units(
+        pose = "1, 1, 1, 1, m, m, m",
+        momentum = "kg m²/s, kg m²/s, kg m²/s, kg m/s, kg m/s, kg m/s"
+    )
+)]
 pub(crate) struct RigidBodyInSpace {
     /// Inertia of turning and moving together.
     #[inertia]
@@ -122,15 +134,17 @@ pub(crate) fn catalogue() -> &'static Catalogue {
 }
 
 #[test]
-fn units_are_of_quantities() {
-    for entry in catalogue().entries() {
-        assert_eq!(entry.unknown_units(), [""; 0], "{}", entry.name);
-    }
+fn units_are_those_of_the_description() {
     let top = catalogue().find("heavy_top").expect("it is there");
-    for (name, unit) in
-        [("momentum_x", "kg m²/s"), ("chi", "m"), ("|gamma|²", ""), ("energy", "J"), ("time", "s")]
-    {
-        assert_eq!(top.unit(name), unit, "{name}");
-    }
+    let of = |quantities: &'static [Quantity]| quantities.iter().map(unit).collect::<Vec<_>>();
+    assert_eq!(of(top.description.parameters), ["kg m²", "N", "m"]);
+    assert_eq!(of(top.description.state), ["", "kg m²/s", ""]);
+    assert_eq!(top.energy_unit, "J");
     assert_eq!(top.casimirs().map(|(_, unit)| unit).collect::<Vec<_>>(), ["", "kg m²/s"]);
+    // components with units of their own
+    let body = catalogue().find("rigid_body_in_space").expect("it is there");
+    assert_eq!(of(body.description.state), ["", ""]);
+    let [pose, momentum] = body.description.state else { panic!("a pose and a momentum") };
+    let units = [(pose, 0), (pose, 4), (momentum, 2), (momentum, 3)].map(|(of, k)| component_unit(of, k));
+    assert_eq!(units, ["", "m", "kg m²/s", "kg m/s"]);
 }

@@ -34,16 +34,21 @@ use serde::{Deserialize, Serialize};
     },
     methods(Midpoint),
     retractions(Cayley),
+    units(momentum = "kg m²/s"),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AffineBody {
     /// Mass, kg.
+    #[unit("kg")]
     pub mass: f64,
     /// Radius where nothing strains it, m.
+    #[unit("m")]
     pub radius: f64,
     /// Shear modulus `μ` times thickness, N/m.
+    #[unit("N/m")]
     pub shear_modulus: f64,
     /// Lamé's first modulus `λ` times thickness, N/m.
+    #[unit("N/m")]
     pub lame_modulus: f64,
 }
 
@@ -95,13 +100,6 @@ impl Example for AffineBody {
     const DURATION: f64 = 1.0;
     /// The disc breathes fast.
     const CERTIFIED_STEP: Option<f64> = Some(2e-4);
-    const UNITS: &'static [(&'static str, &'static str)] = &[
-        ("mass", "kg"),
-        ("radius", "m"),
-        ("shear_modulus", "N/m"),
-        ("lame_modulus", "N/m"),
-        ("momentum", "kg m²/s"),
-    ];
 
     /// Pulled to an ellipse and let go, spinning 15 times a second.
     fn example() -> (Self, AffineBodyState) {

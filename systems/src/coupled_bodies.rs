@@ -22,16 +22,20 @@ use serde::{Deserialize, Serialize};
         2.0 * stiffness * (1.0 - between.w.powi(2))
     },
     methods(Midpoint),
+    units(first_momentum = "kg m²/s", second_momentum = "kg m²/s"),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CoupledBodies {
     /// Principal moments of inertia of the first body, kg m².
     #[inertia(first)]
+    #[unit("kg m²")]
     pub first_inertia: Vector3<f64>,
     /// Principal moments of inertia of the second body, kg m².
     #[inertia(second)]
+    #[unit("kg m²")]
     pub second_inertia: Vector3<f64>,
     /// Stiffness of the spring, N m.
+    #[unit("N m")]
     pub stiffness: f64,
 }
 
@@ -46,13 +50,6 @@ impl Example for CoupledBodies {
     const ABOUT: &'static str = "two rigid bodies on a spring of torsion";
     const STEP: f64 = 0.01;
     const DURATION: f64 = 60.0;
-    const UNITS: &'static [(&'static str, &'static str)] = &[
-        ("first_inertia", "kg m²"),
-        ("second_inertia", "kg m²"),
-        ("stiffness", "N m"),
-        ("first_momentum", "kg m²/s"),
-        ("second_momentum", "kg m²/s"),
-    ];
 
     /// A body and one half as large, turned against each other by a radian.
     fn example() -> (Self, CoupledBodiesState) {

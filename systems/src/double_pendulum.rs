@@ -29,18 +29,24 @@ use serde::{Deserialize, Serialize};
         kinetic - potential
     },
     methods(Midpoint),
+    units(first_momentum = "kg m²/s", second_momentum = "kg m²/s"),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DoublePendulum {
     /// The mass at the end of the upper rod, kg.
+    #[unit("kg")]
     pub upper_mass: f64,
     /// The mass at the end of the lower rod, kg.
+    #[unit("kg")]
     pub lower_mass: f64,
     /// The length of the upper rod, m.
+    #[unit("m")]
     pub upper_length: f64,
     /// The length of the lower rod, m.
+    #[unit("m")]
     pub lower_length: f64,
     /// Gravitational acceleration, m/s².
+    #[unit("m/s²")]
     pub gravity: f64,
 }
 
@@ -65,15 +71,6 @@ impl Example for DoublePendulum {
     const ABOUT: &'static str = "a pendulum that hangs from another one, described by its Lagrangian";
     const STEP: f64 = 0.005;
     const DURATION: f64 = 30.0;
-    const UNITS: &'static [(&'static str, &'static str)] = &[
-        ("upper_mass", "kg"),
-        ("lower_mass", "kg"),
-        ("upper_length", "m"),
-        ("lower_length", "m"),
-        ("gravity", "m/s²"),
-        ("first_momentum", "kg m²/s"),
-        ("second_momentum", "kg m²/s"),
-    ];
 
     /// Let go with the upper rod 100° and the lower one 150° from hanging: both turn over, again and again.
     fn example() -> (Self, DoublePendulumState) {

@@ -19,21 +19,28 @@ use serde::{Deserialize, Serialize};
     potential = weight * length * (1.0 - angle.cos_angle()),
     force = torque * (frequency * t).cos() - damping * velocity.x,
     methods(Midpoint),
+    units(momentum = "kg m²/s"),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DrivenPendulum {
     /// Moment of inertia about the axis, kg m².
     #[inertia]
+    #[unit("kg m²")]
     pub inertia: f64,
     /// Mass times gravitational acceleration, N.
+    #[unit("N")]
     pub weight: f64,
     /// From the axis to the centre of mass, m.
+    #[unit("m")]
     pub length: f64,
     /// Friction's torque for each unit of angular velocity, N m s.
+    #[unit("N m s")]
     pub damping: f64,
     /// The largest torque of the motor, N m.
+    #[unit("N m")]
     pub torque: f64,
     /// Angular frequency of the motor, rad/s.
+    #[unit("rad/s")]
     pub frequency: f64,
 }
 
@@ -58,15 +65,6 @@ impl Example for DrivenPendulum {
     const ABOUT: &'static str = "a pendulum with friction, driven to and fro: chaos";
     const STEP: f64 = 0.01;
     const DURATION: f64 = 120.0;
-    const UNITS: &'static [(&'static str, &'static str)] = &[
-        ("inertia", "kg m²"),
-        ("weight", "N"),
-        ("length", "m"),
-        ("damping", "N m s"),
-        ("torque", "N m"),
-        ("frequency", "rad/s"),
-        ("momentum", "kg m²/s"),
-    ];
 
     /// One kilogram on a rod of one metre with quality 2, driven by 1.15 times the torque of its weight at 2/3 of its own frequency:
     /// chaotic (Baker and Gollub, *Chaotic Dynamics*).

@@ -28,12 +28,15 @@ use serde::{Deserialize, Serialize};
         momentum.dot(&momentum.component_div(&moments)) / 2.0
     },
     methods(Midpoint),
+    units(momentum = "kg m²/s"),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EllipsoidalFluid {
     /// Mass of the fluid, kg.
+    #[unit("kg")]
     pub mass: f64,
     /// Semi-axes of the vessel, m.
+    #[unit("m")]
     pub semi_axes: Vector3<f64>,
 }
 
@@ -59,8 +62,7 @@ impl Example for EllipsoidalFluid {
     const ABOUT: &'static str = "an ideal fluid that turns in a vessel at rest, an ellipsoid";
     const STEP: f64 = 0.02;
     const DURATION: f64 = 120.0;
-    const UNITS: &'static [(&'static str, &'static str)] =
-        &[("mass", "kg"), ("semi_axes", "m"), ("momentum", "kg m²/s"), ("|momentum|²", "kg² m⁴/s²")];
+    const CASIMIR_UNITS: &'static [&'static str] = &["kg² m⁴/s²"];
 
     /// A tonne of water that turns nearly about the middle axis of its vessel: it does not stay there.
     fn example() -> (Self, EllipsoidalFluidState) {

@@ -34,11 +34,13 @@ use serde::{Deserialize, Serialize};
         momentum.dot(&momentum.component_div(&moments)) / 2.0
     },
     retractions(Cayley),
+    units(momentum = "kg m²/s"),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FourDimensionalBody {
     /// Second moments of the mass along the principal axes, kg m².
     #[inertia]
+    #[unit("kg m²")]
     pub second_moments: Vector4<f64>,
 }
 
@@ -64,12 +66,7 @@ impl Example for FourDimensionalBody {
     const ABOUT: &'static str = "a free rigid body of four dimensions, seen as its shadow in three";
     const STEP: f64 = 0.02;
     const DURATION: f64 = 60.0;
-    const UNITS: &'static [(&'static str, &'static str)] = &[
-        ("second_moments", "kg m²"),
-        ("momentum", "kg m²/s"),
-        ("|momentum|²", "kg² m⁴/s²"),
-        ("momentum.r12 momentum.r34 − momentum.r13 momentum.r24 + momentum.r14 momentum.r23", "kg² m⁴/s²"),
-    ];
+    const CASIMIR_UNITS: &'static [&'static str] = &["kg² m⁴/s²", "kg² m⁴/s²"];
 
     /// A body that turns nearly in the planes 13 and 24 alone: it does not stay there, and turns over again and again.
     fn example() -> (Self, FourDimensionalBodyState) {

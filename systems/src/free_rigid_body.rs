@@ -15,11 +15,13 @@ use serde::{Deserialize, Serialize};
     group = SO3,
     methods(Midpoint, Family(1, 4), TangentLift, TangentMidpoint),
     retractions(Exponential, Cayley, SecondKind),
+    units(momentum = "kg m²/s"),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FreeRigidBody {
     /// Principal moments of inertia about the centre of mass, kg m².
     #[inertia]
+    #[unit("kg m²")]
     pub inertia: Vector3<f64>,
 }
 
@@ -27,8 +29,7 @@ impl Example for FreeRigidBody {
     const ABOUT: &'static str = "a rigid body on which nothing acts";
     const STEP: f64 = 0.01;
     const DURATION: f64 = 60.0;
-    const UNITS: &'static [(&'static str, &'static str)] =
-        &[("inertia", "kg m²"), ("momentum", "kg m²/s"), ("|momentum|²", "kg² m⁴/s²")];
+    const CASIMIR_UNITS: &'static [&'static str] = &["kg² m⁴/s²"];
 
     /// A brick turning close to its middle axis: it flips over, again and again.
     fn example() -> (Self, FreeRigidBodyState) {

@@ -11,11 +11,12 @@ use serde::{Deserialize, Serialize};
 /// Motion: Euler's equations `Π̇ = Π × 𝓘⁻¹Π`, and `Ṙ = R (𝓘⁻¹Π)^`.
 ///
 /// Invariants: the energy `H`, the Casimir `|Π|²`, and the angular momentum in space, `RΠ`.
-#[lie_poisson_system(group = SO3, methods(Midpoint))]
+#[lie_poisson_system(group = SO3, methods(Midpoint), units(momentum = "kg m²/s"))]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FullRigidBody {
     /// Tensor of inertia about the centre of mass, kg m².
     #[inertia]
+    #[unit("kg m²")]
     pub inertia: Matrix3<f64>,
 }
 
@@ -23,8 +24,7 @@ impl Example for FullRigidBody {
     const ABOUT: &'static str = "a rigid body on which nothing acts, in axes of any direction";
     const STEP: f64 = 0.05;
     const DURATION: f64 = 300.0;
-    const UNITS: &'static [(&'static str, &'static str)] =
-        &[("inertia", "kg m²"), ("momentum", "kg m²/s"), ("|momentum|²", "kg² m⁴/s²")];
+    const CASIMIR_UNITS: &'static [&'static str] = &["kg² m⁴/s²"];
 
     /// A small satellite with its panels out, tumbling at about two turns a minute.
     fn example() -> (Self, FullRigidBodyState) {

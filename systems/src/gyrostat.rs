@@ -24,12 +24,15 @@ use serde::{Deserialize, Serialize};
         0.5 * of_body.dot(&of_body.component_div(&inertia)) + rotor_momentum.norm_squared() / (2.0 * rotor_inertia)
     },
     methods(Midpoint),
+    units(attitude_momentum = "kg m²/s", rotor_momentum = "kg m²/s"),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Gyrostat {
     /// Principal moments of inertia without that of the rotor about its axis, kg m².
+    #[unit("kg m²")]
     pub inertia: Vector3<f64>,
     /// Moment of inertia of the rotor about its axis, kg m².
+    #[unit("kg m²")]
     pub rotor_inertia: f64,
     /// Direction of the rotor's axis in body axes, of length 1.
     pub axis: Vector3<f64>,
@@ -41,13 +44,7 @@ impl Example for Gyrostat {
     /// The energy's error swings slowly.
     const CERTIFIED_STEP: Option<f64> = Some(4e-3);
     const DURATION: f64 = 300.0;
-    const UNITS: &'static [(&'static str, &'static str)] = &[
-        ("inertia", "kg m²"),
-        ("rotor_inertia", "kg m²"),
-        ("attitude_momentum", "kg m²/s"),
-        ("rotor_momentum", "kg m²/s"),
-        ("|attitude_momentum|²", "kg² m⁴/s²"),
-    ];
+    const CASIMIR_UNITS: &'static [&'static str] = &["kg² m⁴/s²", "kg m²/s"];
 
     /// A satellite turning about its middle axis, which a flywheel along that axis makes stable: below 2 kg m²/s it would turn over.
     fn example() -> (Self, GyrostatState) {

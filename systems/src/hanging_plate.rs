@@ -24,6 +24,7 @@ use serde::{Deserialize, Serialize};
         weight * pose.translation.y + 0.5 * stiffness * stretch.powi(2)
     },
     methods(Midpoint),
+    units(pose = "1, 1, m, m", momentum = "kg m²/s, kg m/s, kg m/s"),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HangingPlate {
@@ -31,12 +32,16 @@ pub struct HangingPlate {
     #[inertia]
     pub inertia: Vector3<f64>,
     /// Mass times gravitational acceleration, N.
+    #[unit("N")]
     pub weight: f64,
     /// From the centre of mass to where the band is tied, in the axes of the plate, m.
+    #[unit("m")]
     pub eye: Vector2<f64>,
     /// Stiffness of the band, N/m.
+    #[unit("N/m")]
     pub stiffness: f64,
     /// Length of the band when it does not pull, m.
+    #[unit("m")]
     pub length: f64,
 }
 
@@ -63,15 +68,6 @@ impl Example for HangingPlate {
         "a plate on an elastic band that swings, bounces and turns in a vertical plane";
     const STEP: f64 = 0.002;
     const DURATION: f64 = 20.0;
-    const UNITS: &'static [(&'static str, &'static str)] = &[
-        ("weight", "N"),
-        ("eye", "m"),
-        ("stiffness", "N/m"),
-        ("length", "m"),
-        ("pose_p", "m"),
-        ("momentum_angular", "kg m²/s"),
-        ("momentum_linear", "kg m/s"),
-    ];
 
     /// A plate of 200 g, 20 cm wide and 10 cm high, let go beside the place where it would hang.
     fn example() -> (Self, HangingPlateState) {

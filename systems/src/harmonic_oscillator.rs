@@ -16,13 +16,16 @@ use serde::{Deserialize, Serialize};
     group = R1,
     potential = 0.5 * stiffness * position.norm_squared(),
     methods(Midpoint, Family(1, 4), TangentLift),
+    units(position = "m", momentum = "kg m/s"),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HarmonicOscillator {
     /// Mass, kg.
     #[inertia]
+    #[unit("kg")]
     pub mass: f64,
     /// Stiffness of the spring, N/m.
+    #[unit("N/m")]
     pub stiffness: f64,
 }
 
@@ -37,8 +40,6 @@ impl Example for HarmonicOscillator {
     const ABOUT: &'static str = "a mass on a spring";
     const STEP: f64 = 0.02;
     const DURATION: f64 = 60.0;
-    const UNITS: &'static [(&'static str, &'static str)] =
-        &[("mass", "kg"), ("stiffness", "N/m"), ("position", "m"), ("momentum", "kg m/s")];
 
     /// Half a kilogram on a spring of 20 N/m, let go 10 cm from where it rests.
     fn example() -> (Self, HarmonicOscillatorState) {

@@ -20,15 +20,19 @@ use serde::{Deserialize, Serialize};
     potential = weight * gamma.dot(&chi),
     methods(Midpoint),
     retractions(Exponential, Cayley, SecondKind),
+    units(momentum = "kg m²/s"),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HeavyTop {
     /// Principal moments of inertia about the fixed point, kg m².
     #[inertia]
+    #[unit("kg m²")]
     pub inertia: Vector3<f64>,
     /// Mass times gravitational acceleration, N.
+    #[unit("N")]
     pub weight: f64,
     /// From the fixed point to the centre of mass, in body axes, m.
+    #[unit("m")]
     pub chi: Vector3<f64>,
 }
 
@@ -76,13 +80,7 @@ impl Example for HeavyTop {
     const ABOUT: &'static str = "a rigid body that turns about a fixed point under gravity";
     const STEP: f64 = 0.01;
     const DURATION: f64 = 60.0;
-    const UNITS: &'static [(&'static str, &'static str)] = &[
-        ("inertia", "kg m²"),
-        ("weight", "N"),
-        ("chi", "m"),
-        ("momentum", "kg m²/s"),
-        ("momentum·gamma", "kg m²/s"),
-    ];
+    const CASIMIR_UNITS: &'static [&'static str] = &["", "kg m²/s"];
 
     /// The top of the paper's figure 6.2.
     fn example() -> (Self, HeavyTopState) {

@@ -22,15 +22,19 @@ use serde::{Deserialize, Serialize};
     hamiltonian = 0.5 * angular_momentum.dot(&angular_momentum.component_div(&inertia))
         + weight * linear_momentum.dot(&chi),
     methods(Midpoint),
+    units(pose = "1, 1, 1, 1, N m s, N m s, N m s", momentum = "kg m²/s, kg m²/s, kg m²/s, 1, 1, 1"),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HeavyTopOnSE3 {
     /// Principal moments of inertia about the fixed point, kg m².
     #[inertia]
+    #[unit("kg m²")]
     pub inertia: Vector3<f64>,
     /// Mass times gravitational acceleration, N.
+    #[unit("N")]
     pub weight: f64,
     /// From the fixed point to the centre of mass, in body axes, m.
+    #[unit("m")]
     pub chi: Vector3<f64>,
 }
 
@@ -49,13 +53,6 @@ impl Example for HeavyTopOnSE3 {
         "the heavy top on SE(3), with the auxiliary x of the paper's (6.15) to (6.18)";
     const STEP: f64 = 0.01;
     const DURATION: f64 = 60.0;
-    const UNITS: &'static [(&'static str, &'static str)] = &[
-        ("inertia", "kg m²"),
-        ("weight", "N"),
-        ("chi", "m"),
-        ("momentum_angular", "kg m²/s"),
-        ("pose_p", "N m s"),
-    ];
 
     /// The top of the paper's figure 6.2.
     fn example() -> (Self, HeavyTopOnSE3State) {

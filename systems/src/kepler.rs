@@ -19,13 +19,16 @@ use serde::{Deserialize, Serialize};
     group = R3,
     potential = -attraction * mass / position.norm(),
     methods(Midpoint),
+    units(position = "m", momentum = "kg m/s"),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Kepler {
     /// Mass of the satellite, kg.
     #[inertia]
+    #[unit("kg")]
     pub mass: f64,
     /// Constant of gravitation times the mass of the heavy body, m³/s².
+    #[unit("m³/s²")]
     pub attraction: f64,
 }
 
@@ -57,8 +60,6 @@ impl Example for Kepler {
     const ABOUT: &'static str = "a satellite on an ellipse about the Earth";
     const STEP: f64 = 20.0;
     const DURATION: f64 = 200_000.0;
-    const UNITS: &'static [(&'static str, &'static str)] =
-        &[("mass", "kg"), ("attraction", "m³/s²"), ("position", "m"), ("momentum", "kg m/s")];
 
     /// A tonne on an ellipse about the Earth of eccentricity 0.6, from 8 000 km to 32 000 km from its centre: 7.8 hours.
     fn example() -> (Self, KeplerState) {

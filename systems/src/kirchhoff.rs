@@ -22,14 +22,18 @@ use serde::{Deserialize, Serialize};
         + momentum.dot(&impulse.component_mul(&screw))
         + 0.5 * impulse.dot(&impulse.component_div(&mass)),
     methods(Midpoint),
+    units(momentum = "kg m²/s", impulse = "kg m/s"),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Kirchhoff {
     /// Moments of inertia of body and fluid, `A⁻¹`, kg m².
+    #[unit("kg m²")]
     pub inertia: Vector3<f64>,
     /// Masses of body and fluid along each axis, `C⁻¹`, kg.
+    #[unit("kg")]
     pub mass: Vector3<f64>,
     /// How the body screws along each axis, `B`, 1/(kg m).
+    #[unit("1/(kg m)")]
     pub screw: Vector3<f64>,
 }
 
@@ -48,13 +52,6 @@ impl Example for Kirchhoff {
     const ABOUT: &'static str = "a body that moves through an ideal fluid";
     const STEP: f64 = 0.02;
     const DURATION: f64 = 120.0;
-    const UNITS: &'static [(&'static str, &'static str)] = &[
-        ("inertia", "kg m²"),
-        ("mass", "kg"),
-        ("screw", "1/(kg m)"),
-        ("momentum", "kg m²/s"),
-        ("impulse", "kg m/s"),
-    ];
 
     /// A slender ellipsoid with a little of a screw, moving nearly along its long axis, which is not stable: it turns broadside on.
     fn example() -> (Self, KirchhoffState) {

@@ -19,17 +19,22 @@ use serde::{Deserialize, Serialize};
     advected(gamma: R3, field: R3),
     potential = weight * gamma.dot(&chi) - field.dot(&dipole),
     methods(Midpoint),
+    units(momentum = "kg m²/s", field = "T"),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MagneticTop {
     /// Principal moments of inertia about the fixed point, kg m².
     #[inertia]
+    #[unit("kg m²")]
     pub inertia: Vector3<f64>,
     /// Mass times gravitational acceleration, N.
+    #[unit("N")]
     pub weight: f64,
     /// From the fixed point to the centre of mass, in body axes, m.
+    #[unit("m")]
     pub chi: Vector3<f64>,
     /// Magnetic moment, in body axes, A m².
+    #[unit("A m²")]
     pub dipole: Vector3<f64>,
 }
 
@@ -49,14 +54,6 @@ impl Example for MagneticTop {
     const ABOUT: &'static str = "a magnet that turns about a fixed point under gravity, in a magnetic field";
     const STEP: f64 = 0.001;
     const DURATION: f64 = 10.0;
-    const UNITS: &'static [(&'static str, &'static str)] = &[
-        ("inertia", "kg m²"),
-        ("weight", "N"),
-        ("chi", "m"),
-        ("dipole", "A m²"),
-        ("momentum", "kg m²/s"),
-        ("field", "T"),
-    ];
 
     /// A spinning magnet of 40 g, somewhat upright, in a field of 10 mT across.
     fn example() -> (Self, MagneticTopState) {

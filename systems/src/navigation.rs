@@ -40,14 +40,23 @@ use serde::{Deserialize, Serialize};
             + accelerometer_noise / 2.0 * of_velocity.norm_squared()
     },
     retractions(Cayley),
+    units(
+        element = "1, 1, 1, m/s, m",
+        momentum = "1, 1, 1, s/m, s/m, s/m, 1/m, 1/m, 1/m",
+        gyroscope = "rad/s",
+        accelerometer = "m/s²",
+    ),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Navigation {
     /// Gravitational acceleration in space, m/s².
+    #[unit("m/s²")]
     pub gravity: Vector3<f64>,
     /// Density of the gyroscope's noise, rad²/s.
+    #[unit("rad²/s")]
     pub gyroscope_noise: f64,
     /// Density of the accelerometer's noise, m²/s³.
+    #[unit("m²/s³")]
     pub accelerometer_noise: f64,
 }
 
@@ -93,18 +102,7 @@ impl Example for Navigation {
     const DURATION: f64 = 60.0;
     /// The vehicle turns slowly.
     const CERTIFIED_STEP: Option<f64> = Some(0.1);
-    const UNITS: &'static [(&'static str, &'static str)] = &[
-        ("gyroscope", "rad/s"),
-        ("accelerometer", "m/s²"),
-        ("gravity", "m/s²"),
-        ("gyroscope_noise", "rad²/s"),
-        ("accelerometer_noise", "m²/s³"),
-        ("energy", "1/s"),
-        ("element_v", "m/s"),
-        ("element_p", "m"),
-        ("momentum_v", "s/m"),
-        ("momentum_p", "1/m"),
-    ];
+    const ENERGY_UNIT: &'static str = "1/s";
 
     /// A car with the sensors of a telephone, once around a bend of 200 m: a fix after a minute says that it is by 40 m, −30 m and 15 m elsewhere than
     /// dead reckoning says. The costate is that of the likeliest path there, with any velocity and attitude at its end, found by shooting.

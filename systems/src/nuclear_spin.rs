@@ -25,16 +25,21 @@ use serde::{Deserialize, Serialize};
         -gyromagnetic_ratio * momentum.dot(&field)
     },
     methods(Midpoint),
+    units(momentum = "N m s"),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NuclearSpin {
     /// Magnetic moment for each unit of angular momentum, `γ`, rad/(s T).
+    #[unit("rad/(s T)")]
     pub gyromagnetic_ratio: f64,
     /// The constant field, along the third axis, `B₀`, T.
+    #[unit("T")]
     pub along_field: f64,
     /// The field across that turns, `b`, T.
+    #[unit("T")]
     pub across_field: f64,
     /// The angular frequency at which it turns, clockwise seen from above, `ω`, rad/s.
+    #[unit("rad/s")]
     pub frequency: f64,
 }
 
@@ -64,13 +69,6 @@ impl Example for NuclearSpin {
         "the spins of protons in a magnetic field, turned over by a weak one that turns";
     const STEP: f64 = 1e-5;
     const DURATION: f64 = 0.1;
-    const UNITS: &'static [(&'static str, &'static str)] = &[
-        ("gyromagnetic_ratio", "rad/(s T)"),
-        ("along_field", "T"),
-        ("across_field", "T"),
-        ("frequency", "rad/s"),
-        ("momentum", "N m s"),
-    ];
 
     /// A litre of water magnetized at 1 T, in the field of the Earth; over in 23 ms, and back.
     fn example() -> (Self, NuclearSpinState) {

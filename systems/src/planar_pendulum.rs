@@ -17,15 +17,19 @@ use serde::{Deserialize, Serialize};
     group = SO2,
     potential = weight * length * (1.0 - angle.cos_angle()),
     methods(Midpoint),
+    units(momentum = "kg m²/s"),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlanarPendulum {
     /// Moment of inertia about the axis, kg m².
     #[inertia]
+    #[unit("kg m²")]
     pub inertia: f64,
     /// Mass times gravitational acceleration, N.
+    #[unit("N")]
     pub weight: f64,
     /// From the axis to the centre of mass, m.
+    #[unit("m")]
     pub length: f64,
 }
 
@@ -50,8 +54,6 @@ impl Example for PlanarPendulum {
     const ABOUT: &'static str = "a pendulum that swings about a horizontal axis";
     const STEP: f64 = 0.01;
     const DURATION: f64 = 60.0;
-    const UNITS: &'static [(&'static str, &'static str)] =
-        &[("inertia", "kg m²"), ("weight", "N"), ("length", "m"), ("momentum", "kg m²/s")];
 
     /// One kilogram on a rod of one metre, let go high above its axis: 150° from its lowest position.
     fn example() -> (Self, PlanarPendulumState) {

@@ -22,16 +22,26 @@ use serde::{Deserialize, Serialize};
     potential = mass * gravity * position.z,
     force(attitude = moment, position = attitude * (thrust * Vector3::z())),
     methods(Midpoint),
+    units(
+        attitude_momentum = "kg m²/s",
+        position = "m",
+        position_momentum = "kg m/s",
+        moment = "N m",
+        thrust = "N",
+    ),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Quadrotor {
     /// Principal moments of inertia about the centre of mass, kg m².
     #[inertia(attitude)]
+    #[unit("kg m²")]
     pub inertia: Vector3<f64>,
     /// Mass, kg.
     #[inertia(position)]
+    #[unit("kg")]
     pub mass: f64,
     /// Gravitational acceleration, m/s².
+    #[unit("m/s²")]
     pub gravity: f64,
 }
 
@@ -70,16 +80,6 @@ impl Example for Quadrotor {
         "a body with four propellers and the thrust of hover that turns over and flies off";
     const STEP: f64 = 0.01;
     const DURATION: f64 = 10.0;
-    const UNITS: &'static [(&'static str, &'static str)] = &[
-        ("inertia", "kg m²"),
-        ("mass", "kg"),
-        ("gravity", "m/s²"),
-        ("attitude_momentum", "kg m²/s"),
-        ("position", "m"),
-        ("position_momentum", "kg m/s"),
-        ("moment", "N m"),
-        ("thrust", "N"),
-    ];
 
     /// With the thrust of hover, but rotating and without attitude control.
     fn example() -> (Self, QuadrotorState) {

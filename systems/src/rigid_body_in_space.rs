@@ -21,7 +21,14 @@ use serde::{Deserialize, Serialize};
 ///
 /// Invariants: the energy `H`, the Casimirs `|P|²` and `Π·P`, and the momenta in space, `RP` and `RΠ + x × RP`. The centre of mass
 /// `x + R c` moves uniformly.
-#[lie_poisson_system(group = SE3, methods(Midpoint))]
+#[lie_poisson_system(
+    group = SE3,
+    methods(Midpoint),
+    units(
+        pose = "1, 1, 1, 1, m, m, m",
+        momentum = "kg m²/s, kg m²/s, kg m²/s, kg m/s, kg m/s, kg m/s",
+    ),
+)]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RigidBodyInSpace {
     /// Inertia of turning and moving together, `𝕀`: kg m², kg m, kg.
@@ -57,8 +64,6 @@ impl Example for RigidBodyInSpace {
         "a rigid body tumbling through space, seen from a point off its centre of mass";
     const STEP: f64 = 0.01;
     const DURATION: f64 = 60.0;
-    const UNITS: &'static [(&'static str, &'static str)] =
-        &[("pose_p", "m"), ("momentum_angular", "kg m²/s"), ("momentum_linear", "kg m/s")];
 
     /// A hammer thrown end over end, seen from the end of its handle.
     fn example() -> (Self, RigidBodyInSpaceState) {

@@ -33,14 +33,23 @@ use serde::{Deserialize, Serialize};
     force(wheel_x = torque.x, wheel_y = torque.y, wheel_z = torque.z),
     methods(Midpoint),
     retractions(Exponential),
+    units(
+        attitude_momentum = "kg m²/s",
+        wheel_x_momentum = "kg m²/s",
+        wheel_y_momentum = "kg m²/s",
+        wheel_z_momentum = "kg m²/s",
+        torque = "N m",
+    ),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SatelliteWithWheels {
     /// Principal moments of inertia without those of the wheels about their axes, kg m².
     #[inertia]
+    #[unit("kg m²")]
     pub inertia: Vector3<f64>,
     /// Moment of inertia of a wheel about its axis, kg m².
     #[inertia]
+    #[unit("kg m²")]
     pub wheel_inertia: f64,
 }
 
@@ -92,16 +101,7 @@ impl Example for SatelliteWithWheels {
     const ABOUT: &'static str = "a satellite that three reaction wheels turn to where it should look";
     const STEP: f64 = 0.1;
     const DURATION: f64 = 300.0;
-    const UNITS: &'static [(&'static str, &'static str)] = &[
-        ("inertia", "kg m²"),
-        ("wheel_inertia", "kg m²"),
-        ("attitude_momentum", "kg m²/s"),
-        ("wheel_x_momentum", "kg m²/s"),
-        ("wheel_y_momentum", "kg m²/s"),
-        ("wheel_z_momentum", "kg m²/s"),
-        ("|attitude_momentum|²", "kg² m⁴/s²"),
-        ("torque", "N m"),
-    ];
+    const CASIMIR_UNITS: &'static [&'static str] = &["kg² m⁴/s²"];
 
     /// A satellite at rest, turned by 150° about an axis that is none of its own, with wheels that spin: they keep what they have taken over before.
     fn example() -> (Self, SatelliteWithWheelsState) {

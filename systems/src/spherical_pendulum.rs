@@ -22,15 +22,19 @@ use serde::{Deserialize, Serialize};
     advected(gamma: R3),
     potential = weight * length * gamma.z,
     methods(Midpoint),
+    units(momentum = "kg m²/s"),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SphericalPendulum {
     /// Principal moments of inertia about the joint, the last one about the rod's own axis, kg m².
     #[inertia]
+    #[unit("kg m²")]
     pub inertia: Vector3<f64>,
     /// Mass times gravitational acceleration, N.
+    #[unit("N")]
     pub weight: f64,
     /// From the joint to the centre of mass, m.
+    #[unit("m")]
     pub length: f64,
 }
 
@@ -63,8 +67,6 @@ impl Example for SphericalPendulum {
     /// About its own axis the rod is quick.
     const CERTIFIED_STEP: Option<f64> = Some(2e-3);
     const DURATION: f64 = 60.0;
-    const UNITS: &'static [(&'static str, &'static str)] =
-        &[("inertia", "kg m²"), ("weight", "N"), ("length", "m"), ("momentum", "kg m²/s")];
 
     /// A steel rod of one metre and one kilogram, pushed sideways at 60° from its lowest position.
     fn example() -> (Self, SphericalPendulumState) {

@@ -28,8 +28,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SpinChain {
     /// How strongly neighbours turn each other, rad/s.
+    #[unit("rad/s")]
     pub exchange: f64,
     /// The frequency with which a field alone turns a spin, about its own direction, rad/s.
+    #[unit("rad/s")]
     pub field: Vector3<f64>,
 }
 
@@ -51,8 +53,7 @@ impl Example for SpinChain {
     const ABOUT: &'static str = "four spins in a row that turn each other: a ferromagnet";
     const STEP: f64 = 0.02;
     const DURATION: f64 = 30.0;
-    const UNITS: &'static [(&'static str, &'static str)] =
-        &[("exchange", "rad/s"), ("field", "rad/s"), ("energy", "rad/s")];
+    const ENERGY_UNIT: &'static str = "rad/s";
 
     /// The first spin is across the others, which are along the field: it passes on what it leans by, and the last one passes it back.
     fn example() -> (Self, SpinChainState) {

@@ -51,18 +51,25 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ThreeLevelAtom {
     /// The largest Rabi frequency of the laser between the first and the second level, rad/s.
+    #[unit("rad/s")]
     pub pump: f64,
     /// The largest Rabi frequency of the laser between the second and the third level, rad/s.
+    #[unit("rad/s")]
     pub stokes: f64,
     /// How long after the Stokes pulse the pump pulse comes, s.
+    #[unit("s")]
     pub delay: f64,
     /// Half of the time in which a pulse has more than 1/e of its strength, s.
+    #[unit("s")]
     pub width: f64,
     /// The time between the pulses, s.
+    #[unit("s")]
     pub middle: f64,
     /// How far the pump is below the second level, rad/s.
+    #[unit("rad/s")]
     pub detuning: f64,
     /// How far both lasers together are below the third level, rad/s.
+    #[unit("rad/s")]
     pub two_photon_detuning: f64,
 }
 
@@ -101,16 +108,7 @@ impl Example for ThreeLevelAtom {
     const DURATION: f64 = 2.5e-6;
     /// The light is weak at the beginning: what would do there is too long in the middle.
     const CERTIFIED_STEP: Option<f64> = Some(6e-9);
-    const UNITS: &'static [(&'static str, &'static str)] = &[
-        ("pump", "rad/s"),
-        ("stokes", "rad/s"),
-        ("delay", "s"),
-        ("width", "s"),
-        ("middle", "s"),
-        ("detuning", "rad/s"),
-        ("two_photon_detuning", "rad/s"),
-        ("energy", "rad/s"),
-    ];
+    const ENERGY_UNIT: &'static str = "rad/s";
 
     /// Pulses of half a microsecond and of 2π · 10 MHz: all but 10⁻⁵ of the atom arrives.
     fn example() -> (Self, ThreeLevelAtomState) {

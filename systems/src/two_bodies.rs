@@ -21,16 +21,20 @@ use serde::{Deserialize, Serialize};
     group(first: R3, second: R3),
     potential = -gravitation * first_mass * second_mass / (second - first).norm(),
     methods(Midpoint),
+    units(first = "m", first_momentum = "kg m/s", second = "m", second_momentum = "kg m/s"),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TwoBodies {
     /// Mass of the first body, kg.
     #[inertia(first)]
+    #[unit("kg")]
     pub first_mass: f64,
     /// Mass of the second body, kg.
     #[inertia(second)]
+    #[unit("kg")]
     pub second_mass: f64,
     /// Constant of gravitation, m³/(kg s²).
+    #[unit("m³/(kg s²)")]
     pub gravitation: f64,
 }
 
@@ -77,15 +81,6 @@ impl Example for TwoBodies {
     const ABOUT: &'static str = "two balls of lead that fall about each other";
     const STEP: f64 = 100.0;
     const DURATION: f64 = 200_000.0;
-    const UNITS: &'static [(&'static str, &'static str)] = &[
-        ("first_mass", "kg"),
-        ("second_mass", "kg"),
-        ("gravitation", "m³/(kg s²)"),
-        ("first", "m"),
-        ("second", "m"),
-        ("first_momentum", "kg m/s"),
-        ("second_momentum", "kg m/s"),
-    ];
 
     /// A tonne of lead and 300 kg of it, far from everything else, from 0.8 m to 3.2 m apart: once about each other in 16.8 hours.
     fn example() -> (Self, TwoBodiesState) {

@@ -4,17 +4,18 @@ use std::sync::Arc;
 
 use coadjoint::erased::{self, Description, Flat, Map};
 use coadjoint::prelude::*;
-use coadjoint::system::{Isolated, Quantity};
+use coadjoint::system::Isolated;
 use coadjoint::{Discretized, RightLift, System};
 use serde::{Deserialize, Serialize};
 
 use super::example::Example;
 use super::plotted::PlottedQuantities;
-use super::quantities::component_name;
+use super::quantities::components;
 use super::scene::Scene;
 
 /// One system of a program, its type erased: parameters and states are flat lists of numbers.
 #[derive(Clone, Debug)]
+#[must_use]
 pub struct Entry {
     /// Its name on the command line.
     pub name: String,
@@ -33,7 +34,9 @@ pub struct Entry {
     pub description: Description,
     /// The example's parameters and initial state.
     pub example: Setup,
-    units: &'static [(&'static str, &'static str)],
+    /// The unit of its energy.
+    pub energy_unit: &'static str,
+    casimir_units: &'static [&'static str],
     build: fn(&[f64]) -> Arc<dyn erased::EnsembleSystem>,
     /// Its own control law with these parameters. None if it has no controls.
     pub(crate) control: Option<fn(&[f64]) -> ControlLaw>,
@@ -69,6 +72,7 @@ pub struct Setup {
 impl Entry {
     /// The entry of a system, under its own name.
     pub fn of<S: Example>() -> Self {
+        const { assert!(S::CASIMIR_UNITS.is_empty() || S::CASIMIR_UNITS.len() == S::CASIMIRS.len()) };
         let description = Description::of::<S>();
         let example = flat(&S::example());
         let build =
@@ -83,7 +87,8 @@ impl Entry {
             description,
             plotted: PlottedQuantities::of(&*build(&example.parameters), &example.state),
             example,
-            units: S::UNITS,
+            energy_unit: S::ENERGY_UNIT,
+            casimir_units: S::CASIMIR_UNITS,
             build,
             control: if description.controls.is_empty() { None } else { Some(control::<S>) },
             right_lift: None,
@@ -94,7 +99,6 @@ impl Entry {
 
     /// The same system under another name, with another example: what is `about` it, and a step and a duration that
     /// suit it, s.
-    #[must_use]
     pub fn preset<S: Example>(
         self,
         name: &str,
@@ -106,13 +110,11 @@ impl Entry {
     }
 
     /// With the text of the file that describes it, for `show`: `include_str!("heavy_top.rs")`.
-    #[must_use]
     pub fn with_source(self, source: &'static str) -> Self {
         Self { source, ..self }
     }
 
     /// With the method `right-lift`, for a system on which nothing acts: its steps carry the momentum in space.
-    #[must_use]
     pub fn with_right_lift<S>(self) -> Self
     where
         S: Example
@@ -173,64 +175,16 @@ impl Entry {
     /// The names of the columns of a trajectory: time, every component of the state, energy.
     pub fn columns(&self) -> Vec<String> {
         let mut columns = vec!["time".to_owned()];
-        for quantity in self.description.state {
-            columns.extend(quantity.components.iter().map(|component| component_name(quantity, component)));
-        }
+        columns.extend(components(self.description.state).map(|component| component.name));
         columns.push("energy".to_owned());
         columns
     }
 
-    /// The unit of a quantity, a component or a Casimir, by its name: what the description says, or that of the longest
-    /// name in [`Example::UNITS`] that it begins with. Empty for a pure number, and where none is known.
-    pub fn unit(&self, name: &str) -> &'static str {
-        let Description { parameters, state, controls, .. } = self.description;
-        let mut quantities = [parameters, state, controls].into_iter().flatten();
-        let described = quantities.find(|quantity| quantity.name == name || is_part(quantity.name, name));
-        if let Some(unit) = described.and_then(|quantity| quantity.unit) {
-            return unit;
-        }
-        let begins = |(of, _): &&(&str, &str)| name == *of || (is_part(of, name) && !self.is_casimir(name));
-        let known = self.units.iter().filter(begins).max_by_key(|(of, _)| of.len());
-        match (known, name) {
-            (Some((_, unit)), _) => unit,
-            (None, "time") => "s",
-            (None, "energy") => "J",
-            (None, _) => "",
-        }
-    }
-
-    fn is_casimir(&self, name: &str) -> bool {
-        self.description.casimirs.contains(&name)
-    }
-
     /// Its Casimirs, with their units.
     pub fn casimirs(&self) -> impl Iterator<Item = (&'static str, &'static str)> + '_ {
-        self.description.casimirs.iter().map(|name| (*name, self.unit(name)))
+        let units = self.casimir_units.iter().copied().chain(std::iter::repeat(""));
+        self.description.casimirs.iter().copied().zip(units)
     }
-
-    /// The names in [`Example::UNITS`] that it has nothing of.
-    pub fn unknown_units(&self) -> Vec<&'static str> {
-        let Description { parameters, state, controls, casimirs, .. } = self.description;
-        let names = |quantity: &Quantity| {
-            let components = quantity.components.iter().map(|component| component_name(quantity, component));
-            components.chain([quantity.name.to_owned()]).collect::<Vec<_>>()
-        };
-        let mut known: Vec<String> =
-            [parameters, state, controls].into_iter().flatten().flat_map(names).collect();
-        for plotted in self.plotted.all() {
-            let components = plotted.components.iter().map(|component| plotted.component_name(component));
-            known.extend(components.chain([plotted.name.clone()]));
-        }
-        known.extend(casimirs.iter().copied().chain(["energy", "time"]).map(str::to_owned));
-        let is_known = |of: &str| known.iter().any(|name| name == of || is_part(of, name));
-        self.units.iter().map(|(of, _)| *of).filter(|of| !is_known(of)).collect()
-    }
-}
-
-/// Whether a component's name begins with another: `pose_px` with `pose_p`, `momentum_angular_x` with
-/// `momentum_angular`.
-fn is_part(of: &str, name: &str) -> bool {
-    name.strip_prefix(of).is_some_and(|rest| rest.starts_with('_') || (of.contains('_') && rest.len() == 1))
 }
 
 /// `heavy_top` for `HeavyTop`, `heavy_top_on_se3` for `HeavyTopOnSE3`.

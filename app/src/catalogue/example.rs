@@ -22,8 +22,12 @@ pub trait Example:
     /// A step that suits the certificates, s, where the motion at the example's states does not show how fast or slow
     /// the system can be.
     const CERTIFIED_STEP: Option<f64> = None;
-    /// The units of quantities and Casimirs, by their names; those of pure numbers are left out.
-    const UNITS: &'static [(&'static str, &'static str)] = &[];
+    /// The unit of its energy.
+    const ENERGY_UNIT: &'static str = "J";
+    /// The units of its [Casimirs](System::CASIMIRS), in their order.
+    ///
+    /// Empty for pure numbers; no units at all where none are known.
+    const CASIMIR_UNITS: &'static [&'static str] = &[];
 
     /// Parameters and an initial state worth looking at.
     fn example() -> (Self, Self::State);

@@ -21,7 +21,7 @@ use std::sync::Arc;
 pub use entry::{ControlLaw, Entry, Setup};
 pub use example::Example;
 #[cfg(feature = "program")]
-pub use quantities::component_name;
+pub use quantities::{component_name, component_unit, unit};
 
 #[cfg(feature = "program")]
 use crate::error::SetupError;

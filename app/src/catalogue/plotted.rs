@@ -1,6 +1,6 @@
 //! The quantities of a state that pictures show: of a configuration that is a matrix its rotation and its vectors.
 //!
-//! Nothing here knows a group: a basis of its algebra is what small displacements of the unit matrix are.
+//! Nothing here knows a group: what its elements move is seen of some.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -11,10 +11,12 @@ use coadjoint::system::Kind;
 use coadjoint::system::{Quantity, Role};
 use nalgebra::{DMatrix, Matrix3, Rotation3, UnitQuaternion};
 
-use super::quantities::{matrix_order, rotation, tangent_places};
+use super::quantities::{component_unit, matrix_order, rotation, tangent_length};
 
-/// So many entries of a matrix can be told apart in a plot.
+/// The most entries of a matrix that a plot tells apart.
 const ENTRIES: usize = 6;
+/// Entries that differ by less are the same.
+const ROUNDOFF: f64 = 1e-9;
 
 /// The quantities of a state as pictures show them.
 #[derive(Clone, Debug)]
@@ -31,22 +33,16 @@ pub(crate) struct PlottedQuantity {
     pub(crate) name: String,
     pub(crate) role: Role,
     pub(crate) components: Vec<String>,
+    /// Their units.
+    pub(crate) units: Vec<&'static str>,
     /// So many of its components are those of a rotation: four in space, two in the plane, none of a vector.
     pub(crate) rotation: usize,
     /// Whether it is a matrix, or a part of one.
     pub(crate) is_of_a_matrix: bool,
-    source: Source,
-}
-
-/// Where a quantity's numbers are in a state.
-#[derive(Clone, Debug, PartialEq)]
-enum Source {
-    /// Here.
-    Slots(Range<usize>),
-    /// Here, by rows those of a matrix: as a quaternion, or as a unit complex number.
-    Rotation(Vec<usize>),
-    /// Here and there.
-    Entries(Vec<usize>),
+    /// Its place among the [numbers](PlottedQuantities::numbers).
+    pub(crate) slots: Range<usize>,
+    /// Where its numbers are in a state: nine of a matrix's rotation in space.
+    source: Vec<usize>,
 }
 
 impl PlottedQuantity {
@@ -55,9 +51,11 @@ impl PlottedQuantity {
             name: quantity.name.to_owned(),
             role: quantity.role,
             components: quantity.components.iter().map(|&name| name.to_owned()).collect(),
+            units: (0..quantity.components.len()).map(|k| component_unit(quantity, k)).collect(),
             rotation: rotation(quantity).map_or(0, |(count, _)| count),
             is_of_a_matrix: false,
-            source: Source::Slots(slots),
+            slots: 0..0,
+            source: slots.collect(),
         }
     }
 
@@ -66,18 +64,13 @@ impl PlottedQuantity {
         self.name.strip_prefix("element_").unwrap_or(&self.name).replace('_', " ")
     }
 
-    /// Joins its name and a component's, as tables have them.
-    pub(crate) fn component_name(&self, component: &str) -> String {
-        if component.is_empty() { self.name.clone() } else { format!("{}_{component}", self.name) }
-    }
-
     /// Tells whether it turns or moves in space, not only in a plane or on a line.
     fn is_spatial(&self) -> bool {
-        match (&self.source, self.rotation) {
-            (_, 4) => self.role == Role::Configuration,
-            (_, 2) => false,
-            (Source::Slots(_), _) if self.is_of_a_matrix => self.components.len() > 4,
-            _ => self.components.len() == 3,
+        match (self.rotation, self.components.len()) {
+            (4, _) => self.role == Role::Configuration,
+            (2, _) => false,
+            // parts of a matrix have fewer
+            (_, count) => count == 3 || (self.is_of_a_matrix && count > ENTRIES),
         }
     }
 }
@@ -87,14 +80,14 @@ impl PlottedQuantities {
     pub(crate) fn of(system: &dyn erased::System, example: &[f64]) -> Self {
         let state = system.description().state;
         let (mut quantities, mut matrices, mut rotations) = (Vec::new(), Vec::new(), Vec::new());
-        for ((index, (quantity, slots)), (_, tangent)) in
-            Quantity::with_ranges(state).enumerate().zip(tangent_places(state))
+        for ((quantity, slots), next) in
+            Quantity::with_ranges(state).zip(state.iter().skip(1).chain([&state[0]]))
         {
             let own = PlottedQuantity::of(quantity, slots.clone());
-            let turning = match matrix_order(quantity).zip(state.get(index + 1)) {
-                Some((rows, momentum)) => {
-                    let basis = basis(system, example, &slots, rows, tangent);
-                    let parts = Parts::of(rows, &basis, momentum.components);
+            let turning = match matrix_order(quantity) {
+                Some(rows) => {
+                    let parts =
+                        Parts::of(&elements(system, example, (quantity, &slots), rows), next.components);
                     quantities.extend(parts.shown(quantity, slots.start));
                     matrices.push(PlottedQuantity { is_of_a_matrix: true, ..own });
                     parts.turning(slots.start)
@@ -109,6 +102,11 @@ impl PlottedQuantities {
         }
         let plotted = quantities.len();
         quantities.extend(matrices);
+        let mut end = 0;
+        for quantity in &mut quantities {
+            quantity.slots = end..end + quantity.components.len();
+            end = quantity.slots.end;
+        }
         Self { quantities, plotted, rotations }
     }
 
@@ -117,28 +115,14 @@ impl PlottedQuantities {
         &self.quantities[..self.plotted]
     }
 
-    /// Pairs each quantity that is plotted with its place among the [numbers](Self::numbers).
-    pub(crate) fn laid_out(&self) -> impl Iterator<Item = (&PlottedQuantity, Range<usize>)> {
-        self.with_matrices().take(self.plotted)
-    }
-
-    /// The same, then the matrices.
-    fn with_matrices(&self) -> impl Iterator<Item = (&PlottedQuantity, Range<usize>)> {
-        self.quantities.iter().scan(0, |start, quantity| {
-            let slots = *start..*start + quantity.components.len();
-            *start = slots.end;
-            Some((quantity, slots))
-        })
-    }
-
-    /// Finds a quantity of this name, or a matrix, and its place among the [numbers](Self::numbers).
-    pub(crate) fn find(&self, name: &str) -> Option<(&PlottedQuantity, Range<usize>)> {
-        self.with_matrices().find(|(quantity, _)| quantity.name == name)
+    /// Finds a quantity of this name, or a matrix.
+    pub(crate) fn find(&self, name: &str) -> Option<&PlottedQuantity> {
+        self.quantities.iter().find(|quantity| quantity.name == name)
     }
 
     /// Tells whether a quantity of this name turns or moves in space.
     pub(crate) fn is_spatial(&self, name: &str) -> bool {
-        self.quantities.iter().any(|quantity| quantity.name == name && quantity.is_spatial())
+        self.find(name).is_some_and(PlottedQuantity::is_spatial)
     }
 
     /// Lists where in a state the numbers of rotations are: of a quaternion, of a unit complex number or its column in
@@ -155,45 +139,40 @@ impl PlottedQuantities {
         }
         let at = |slot: &usize| state.get(*slot).copied().unwrap_or(f64::NAN);
         let mut numbers = Vec::with_capacity(state.len());
-        for PlottedQuantity { source, .. } in &self.quantities {
-            match source {
-                Source::Slots(slots) => numbers.extend(slots.clone().map(|slot| at(&slot))),
-                Source::Rotation(slots) if slots.len() == 9 => {
-                    let matrix = Matrix3::from_row_iterator(slots.iter().map(at));
-                    let rotation = Rotation3::from_matrix_unchecked(matrix);
-                    let [i, j, k, w]: [f64; 4] =
-                        UnitQuaternion::from_rotation_matrix(&rotation).coords.into();
-                    numbers.extend([w, i, j, k]);
-                }
-                Source::Rotation(slots) | Source::Entries(slots) => numbers.extend(slots.iter().map(at)),
+        for PlottedQuantity { source, components, .. } in &self.quantities {
+            if source.len() == components.len() {
+                numbers.extend(source.iter().map(at));
+                continue;
             }
+            let matrix = Matrix3::from_row_iterator(source.iter().map(at));
+            let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix));
+            let [i, j, k, w]: [f64; 4] = rotation.coords.into();
+            numbers.extend([w, i, j, k]);
         }
         Cow::Owned(numbers)
     }
 }
 
-/// A basis of the algebra, of whole numbers.
-fn basis(
+/// Displaces the unit matrix along each coordinate, and along all.
+fn elements(
     system: &dyn erased::System,
     example: &[f64],
-    slots: &Range<usize>,
+    (quantity, slots): (&Quantity, &Range<usize>),
     rows: usize,
-    tangent: Range<usize>,
-) -> Vec<DMatrix<f64>> {
-    /// Its square is far below one.
-    const STEP: f64 = 1e-3;
-
-    let length = tangent_places(system.description().state).last().map_or(0, |(_, place)| place.end);
+) -> (Vec<DMatrix<f64>>, DMatrix<f64>) {
+    let tangent = quantity.tangent();
     let mut unit = example.to_vec();
     unit[slots.clone()].copy_from_slice(DMatrix::<f64>::identity(rows, rows).as_slice());
-    let displaced = |k: usize, by: f64| {
-        let mut along = vec![0.0; length];
-        along[k] = by;
-        let state = system.displace(&unit, Map::Exponential, &along);
-        DMatrix::from_row_slice(rows, rows, &state[slots.clone()])
+    let displaced = |from: &[f64], along: &dyn Fn(usize) -> f64| {
+        let mut by = vec![0.0; tangent_length(system.description().state)];
+        tangent.clone().for_each(|k| by[k] = along(k));
+        system.displace(from, Map::Exponential, &by)
     };
-    let element = |k| (displaced(k, STEP) - displaced(k, -STEP)) / (2.0 * STEP);
-    tangent.map(|k| element(k).map(f64::round)).collect()
+    let matrix = |state: &[f64]| DMatrix::from_row_slice(rows, rows, &state[slots.clone()]);
+    let along = tangent.clone().map(|k| matrix(&displaced(&unit, &|other| f64::from(u8::from(other == k)))));
+    // what no two displacements in turn move, nothing moves
+    let all = displaced(&displaced(&unit, &|k| (k as f64).cos()), &|k| (k as f64).sin());
+    (along.collect(), matrix(&all))
 }
 
 /// The parts of the elements of a group of matrices that turn, and those that move.
@@ -209,31 +188,37 @@ struct Parts {
 }
 
 impl Parts {
-    fn of(rows: usize, basis: &[DMatrix<f64>], coordinates: &[&str]) -> Self {
-        let moving = moving(rows, basis);
-        let turns = [3, 2].into_iter().find(|&k| is_rotation(basis, &moving, k)).unwrap_or(0);
-        let of_column = |column: usize| {
-            let coordinate = |(element, name): (&DMatrix<f64>, &&str)| {
-                let moves = element.rows(0, turns).column(column).iter().any(|entry| *entry != 0.0);
-                moves.then(|| name.trim_end_matches(|letter: char| letter.is_ascii_digit()).to_owned())
-            };
-            basis.iter().zip(coordinates).filter_map(coordinate).collect::<Vec<String>>()
+    /// Finds them in elements along each coordinate, and along all.
+    fn of((along, all): &(Vec<DMatrix<f64>>, DMatrix<f64>), coordinates: &[&str]) -> Self {
+        let rows = all.nrows();
+        let moves = |element: &DMatrix<f64>, row: usize, column: usize| {
+            (element[(row, column)] - f64::from(u8::from(row == column))).abs() > ROUNDOFF
         };
-        let columns: Vec<usize> =
-            (turns..rows).filter(|&column| (0..turns).any(|row| moving[(row, column)])).collect();
+        let is_rotation = |&k: &usize| {
+            let block = all.view((0, 0), (k.min(rows), k.min(rows)));
+            k <= rows
+                && (0..k).all(|column| (0..rows).all(|row| moves(all, row, column) == (row < k)))
+                && (block.tr_mul(&block) - DMatrix::identity(k, k)).amax() < ROUNDOFF
+        };
+        let turns = [3, 2].into_iter().find(is_rotation).unwrap_or(0);
+        let turned =
+            |element: &DMatrix<f64>, column: usize| (0..turns).any(|row| moves(element, row, column));
         let mut vectors: Vec<(String, usize)> = Vec::new();
-        for column in columns {
-            let names = of_column(column);
-            let own = names.first().filter(|first| {
+        for column in (turns..rows).filter(|&column| turned(all, column)) {
+            let own = along.iter().zip(coordinates).filter(|(element, _)| turned(element, column));
+            let stems: Vec<&str> =
+                own.map(|(_, name)| name.trim_end_matches(|letter: char| letter.is_ascii_digit())).collect();
+            let stem = stems.first().filter(|first| {
                 !first.is_empty()
-                    && names.iter().all(|name| name == *first)
+                    && stems.iter().all(|stem| stem == *first)
                     && vectors.iter().all(|(name, _)| name != *first)
             });
-            vectors.push((own.cloned().unwrap_or_else(|| format!("column_{}", column + 1)), column));
+            let name = stem.map_or_else(|| format!("column_{}", column + 1), |&stem| stem.to_owned());
+            vectors.push((name, column));
         }
-        let behind = |(row, column): &(usize, usize)| *row >= turns && moving[(*row, *column)];
-        let all = (0..rows).flat_map(|row| (0..rows).map(move |column| (row, column)));
-        Self { rows, turns, vectors, others: all.filter(behind).collect() }
+        let behind = (turns..rows).flat_map(|row| (0..rows).map(move |column| (row, column)));
+        let others = behind.filter(|&(row, column)| moves(all, row, column)).collect();
+        Self { rows, turns, vectors, others }
     }
 
     /// Where the numbers of the rotation are, of a matrix from this slot on: in the plane those of its first column,
@@ -246,56 +231,36 @@ impl Parts {
 
     /// Lists its quantities, of a matrix from this slot on.
     fn shown(&self, matrix: &Quantity, start: usize) -> Vec<PlottedQuantity> {
-        let quantity = |part: &str, components: Vec<String>, source: Source| PlottedQuantity {
+        let quantity = |part: &str, components: &[&str], source: Vec<usize>| PlottedQuantity {
             name: if part.is_empty() { matrix.name.to_owned() } else { format!("{}_{part}", matrix.name) },
             role: matrix.role,
-            rotation: if matches!(source, Source::Rotation(_)) { components.len() } else { 0 },
-            components,
+            components: components.iter().map(|&name| name.to_owned()).collect(),
+            units: source.iter().map(|slot| component_unit(matrix, slot - start)).collect(),
+            rotation: 0,
             is_of_a_matrix: true,
+            slots: 0..0,
             source,
         };
-        let named = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
+        let slot = |row: usize, column: usize| start + row * self.rows + column;
         let mut shown = Vec::new();
         if self.turns > 0 {
-            let components = named(if self.turns == 3 { &["w", "x", "y", "z"] } else { &["re", "im"] });
-            shown.push(quantity("rotation", components, Source::Rotation(self.turning(start))));
+            let components: &[&str] = if self.turns == 3 { &["w", "x", "y", "z"] } else { &["re", "im"] };
+            let (rotation, units) = (components.len(), vec![""; components.len()]);
+            let turning = quantity("rotation", components, self.turning(start));
+            shown.push(PlottedQuantity { rotation, units, ..turning });
         }
         for (name, column) in &self.vectors {
-            let entries = (0..self.turns).map(|row| start + row * self.rows + column).collect();
-            shown.push(quantity(name, named(&["x", "y", "z"][..self.turns]), Source::Entries(entries)));
+            let entries = (0..self.turns).map(|row| slot(row, *column)).collect();
+            shown.push(quantity(name, &["x", "y", "z"][..self.turns], entries));
         }
         if (1..=ENTRIES).contains(&self.others.len()) {
             let names = self.others.iter().map(|(row, column)| format!("{}{}", row + 1, column + 1));
-            let entries = self.others.iter().map(|(row, column)| start + row * self.rows + column);
-            shown.push(quantity("", names.collect(), Source::Entries(entries.collect())));
+            let entries = self.others.iter().map(|&(row, column)| slot(row, column)).collect();
+            let components = names.collect();
+            shown.push(PlottedQuantity { components, ..quantity("", &[], entries) });
         }
         shown
     }
-}
-
-/// Which entries of the group's elements are not those of the unit matrix: those of products of its basis.
-fn moving(rows: usize, basis: &[DMatrix<f64>]) -> DMatrix<bool> {
-    let at = |i, j| basis.iter().any(|element: &DMatrix<f64>| element[(i, j)] != 0.0);
-    let mut moving = DMatrix::from_fn(rows, rows, at);
-    // Warshall's algorithm
-    for k in 0..rows {
-        let before = moving.clone();
-        moving = DMatrix::from_fn(rows, rows, |i, j| before[(i, j)] || before[(i, k)] && before[(k, j)]);
-    }
-    moving
-}
-
-/// Whether the first so many rows and columns of all elements are any rotation, and nothing else turns with them.
-fn is_rotation(basis: &[DMatrix<f64>], moving: &DMatrix<bool>, k: usize) -> bool {
-    let rows = moving.nrows();
-    let block = |element: &DMatrix<f64>| element.view((0, 0), (k.min(rows), k.min(rows))).into_owned();
-    let blocks: Vec<DMatrix<f64>> =
-        basis.iter().map(block).filter(|block| block.iter().any(|entry| *entry != 0.0)).collect();
-    k <= rows
-        && blocks.len() == k * (k - 1) / 2
-        && blocks.iter().all(|block| *block == -block.transpose())
-        && (0..k).all(|i| (0..i).all(|j| blocks.iter().any(|block| block[(i, j)] != 0.0)))
-        && (k..rows).all(|row| (0..k).all(|column| !moving[(row, column)]))
 }
 
 #[cfg(test)]
@@ -314,6 +279,7 @@ mod tests {
             p2: [0, 0, 0; 0, 0, 1; 0, 0, 0]
         },
         retractions(Cayley),
+        units(element = "1, 1, m", momentum = "kg m²/s, kg m/s, kg m/s"),
     )]
     struct Sled {
         #[inertia]
@@ -321,8 +287,6 @@ mod tests {
     }
 
     impl Example for Sled {
-        const UNITS: &'static [(&'static str, &'static str)] = &[("element_p", "m")];
-
         fn example() -> (Self, SledState) {
             let element = matrix![0.0, -1.0, 3.0; 1.0, 0.0, 5.0; 0.0, 0.0, 1.0];
             (
@@ -342,7 +306,8 @@ mod tests {
         // behind them the matrix
         assert_eq!((numbers.len(), entry.plotted.quantities.len()), (16, 4));
         assert_eq!(entry.plotted.rotations(), [[0, 3]]);
-        assert_eq!(entry.unknown_units(), [""; 0]);
+        let units: Vec<&[&str]> = entry.plotted.all().iter().map(|quantity| &quantity.units[..]).collect();
+        assert_eq!(units, [&[""; 2][..], &["m"; 2], &["kg m²/s", "kg m/s", "kg m/s"]]);
         // a state without matrices is shown as it is
         let top = crate::test_systems::catalogue().system("heavy_top").expect("it is there");
         let names: Vec<&str> = top.plotted.all().iter().map(|quantity| quantity.name.as_str()).collect();
@@ -377,6 +342,18 @@ mod tests {
         matrix
     }
 
+    /// Elements of the group with this basis of its algebra: along each coordinate, and along all.
+    fn elements_of(basis: &[DMatrix<f64>]) -> (Vec<DMatrix<f64>>, DMatrix<f64>) {
+        let sum = |of: fn(f64) -> f64| -> DMatrix<f64> {
+            basis.iter().zip(1..).map(|(element, k)| element * of(f64::from(k))).sum()
+        };
+        let exp = |element: &DMatrix<f64>| {
+            let one = DMatrix::identity(element.nrows(), element.nrows());
+            (1..40).rev().fold(one.clone(), |series, k| &one + element * series / f64::from(k))
+        };
+        (basis.iter().map(exp).collect(), exp(&sum(f64::cos)) * exp(&sum(f64::sin)))
+    }
+
     /// Rotations about the axes, in matrices of so many rows.
     fn rotations(rows: usize) -> Vec<DMatrix<f64>> {
         [(2, 1), (0, 2), (1, 0)].map(|(i, j)| unit(rows, &[(i, j, 1.0), (j, i, -1.0)])).to_vec()
@@ -387,20 +364,20 @@ mod tests {
         let vectors = [3, 4].map(|column| (0..3).map(move |row| unit(5, &[(row, column, 1.0)])));
         let basis: Vec<DMatrix<f64>> =
             rotations(5).into_iter().chain(vectors.into_iter().flatten()).collect();
-        let parts = Parts::of(5, &basis, &["x", "y", "z", "v1", "v2", "v3", "p1", "p2", "p3"]);
+        let parts = Parts::of(&elements_of(&basis), &["x", "y", "z", "v1", "v2", "v3", "p1", "p2", "p3"]);
         assert_eq!((parts.turns, parts.others.len()), (3, 0));
         assert_eq!(parts.vectors, [("v".to_owned(), 3), ("p".to_owned(), 4)]);
         assert_eq!(parts.turning(2), [2, 3, 4, 7, 8, 9, 12, 13, 14]);
         // with a time, as in Galilei's group
         let basis: Vec<DMatrix<f64>> = basis.into_iter().chain([unit(5, &[(3, 4, 1.0)])]).collect();
         let names = ["x", "y", "z", "v1", "v2", "v3", "p1", "p2", "p3", "t"];
-        assert_eq!(Parts::of(5, &basis, &names).others, [(3, 4)]);
+        assert_eq!(Parts::of(&elements_of(&basis), &names).others, [(3, 4)]);
     }
 
     #[test]
     fn what_is_no_rotation_is_shown_by_its_entries_or_not_at_all() {
         let all: Vec<DMatrix<f64>> = (0..4).map(|k| unit(2, &[(k / 2, k % 2, 1.0)])).collect();
-        let parts = Parts::of(2, &all, &["e11", "e12", "e21", "e22"]);
+        let parts = Parts::of(&elements_of(&all), &["e11", "e12", "e21", "e22"]);
         assert_eq!((parts.turns, parts.others.len()), (0, 4));
         // a boost is none, though the plane turns
         let lorentz = vec![
@@ -408,7 +385,7 @@ mod tests {
             unit(3, &[(0, 2, 1.0), (2, 0, 1.0)]),
             unit(3, &[(1, 2, 1.0), (2, 1, 1.0)]),
         ];
-        let parts = Parts::of(3, &lorentz, &["rotation", "boost_x", "boost_y"]);
+        let parts = Parts::of(&elements_of(&lorentz), &["rotation", "boost_x", "boost_y"]);
         assert_eq!((parts.turns, parts.others.len()), (0, 9));
         let (role, kind) = (Role::Configuration, Kind::Matrix(0, 0));
         let matrix =
@@ -416,6 +393,6 @@ mod tests {
         assert!(parts.shown(&matrix, 0).is_empty());
         // the first column of a rotation in the plane has its cosine and its sine
         let plane = [unit(2, &[(1, 0, 1.0), (0, 1, -1.0)])];
-        assert_eq!(Parts::of(2, &plane, &["angle"]).turning(0), [0, 2]);
+        assert_eq!(Parts::of(&elements_of(&plane), &["angle"]).turning(0), [0, 2]);
     }
 }

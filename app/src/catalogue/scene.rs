@@ -26,6 +26,7 @@ const EARTH: f64 = 9.81;
 /// Bodies, arrows and links of a system, in space.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
+#[must_use]
 pub struct Scene {
     /// Bodies that move, and bodies that stay where they are.
     pub bodies: Vec<Body>,
@@ -43,6 +44,7 @@ pub struct Scene {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
+#[must_use]
 pub struct Body<S = Source> {
     /// Its name.
     #[serde(default, skip_serializing_if = "String::is_empty")]
@@ -107,6 +109,7 @@ pub enum Trail {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
+#[must_use]
 pub struct Arrow<V = Vector> {
     /// Its name.
     #[serde(default)]
@@ -222,25 +225,21 @@ impl Body {
     }
 
     /// Moves by this quantity, too.
-    #[must_use]
     pub fn and_moving(self, quantity: &str) -> Self {
         Self { position: Some(Source::Quantity(quantity.to_owned())), ..self }
     }
 
     /// Has another name.
-    #[must_use]
     pub fn named(self, name: &str) -> Self {
         Self { name: name.to_owned(), ..self }
     }
 
     /// Has this shape.
-    #[must_use]
     pub fn with(self, solid: impl Into<Option<Solid>>) -> Self {
         Self { shape: solid.into(), ..self }
     }
 
     /// Looks like a celestial body.
-    #[must_use]
     pub fn planet(self) -> Self {
         Self { colour: Some("planet".to_owned()), ..self }
     }
@@ -275,31 +274,26 @@ impl Arrow {
     }
 
     /// Has its components in the axes of the body that it starts from.
-    #[must_use]
     pub fn in_body(self) -> Self {
         Self { frame: Frame::Body, ..self }
     }
 
     /// Starts from this body, at a point in its axes, m.
-    #[must_use]
     pub fn on(self, body: usize, point: Vector3<f64>) -> Self {
         Self { body: Some(body), from: (point != Vector3::zeros()).then(|| point.into()), ..self }
     }
 
     /// Has this letter at its tip.
-    #[must_use]
     pub fn symbol(self, symbol: &str) -> Self {
         Self { symbol: (!symbol.is_empty()).then(|| symbol.to_owned()), ..self }
     }
 
     /// Has another name.
-    #[must_use]
     pub fn named(self, name: &str) -> Self {
         Self { name: name.to_owned(), ..self }
     }
 
     /// Shows the three components of the quantity from this one on.
-    #[must_use]
     pub fn from_component(mut self, first: usize) -> Self {
         if let Vector::Quantity(_, from) = &mut self.vector {
             *from = first;
@@ -308,7 +302,6 @@ impl Arrow {
     }
 
     /// Has this colour: `c3` to `c6` or `ink`.
-    #[must_use]
     pub fn colour(self, colour: &str) -> Self {
         Self { colour: Some(colour.to_owned()), ..self }
     }
@@ -323,28 +316,24 @@ impl Link {
 
 impl Scene {
     /// Adds a body, the next in order from 0.
-    #[must_use]
     pub fn body(mut self, body: Body) -> Self {
         self.bodies.push(body);
         self
     }
 
     /// Adds an arrow.
-    #[must_use]
     pub fn arrow(mut self, arrow: Arrow) -> Self {
         self.arrows.push(arrow);
         self
     }
 
     /// Adds a rod from a point of space to one of a body, m.
-    #[must_use]
     pub fn rod(mut self, from: Vector3<f64>, body: usize, to: Vector3<f64>) -> Self {
         self.links.push(Link::new((None, from), (body, to), false));
         self
     }
 
     /// Adds points that a configuration, a matrix, takes elsewhere, and edges between them.
-    #[must_use]
     pub fn frame(mut self, matrix: &str, points: &[Vec<f64>], edges: &[(usize, usize)]) -> Self {
         let first = self.bodies.len();
         self.bodies.extend(points.iter().map(|point| Body::carried(matrix, point)));
@@ -356,26 +345,22 @@ impl Scene {
     }
 
     /// Adds a spring from a point of space to one of a body, m.
-    #[must_use]
     pub fn spring(mut self, from: Vector3<f64>, body: usize, to: Vector3<f64>) -> Self {
         self.links.push(Link::new((None, from), (body, to), true));
         self
     }
 
     /// Renames a body.
-    #[must_use]
     pub fn named(self, body: usize, name: &str) -> Self {
         self.changed(body, |body| body.named(name))
     }
 
     /// Hangs a body from another one, at a point in the axes of that one, m: its own attitude is that in space.
-    #[must_use]
     pub fn hang(self, body: usize, from: usize, point: Vector3<f64>) -> Self {
         self.changed(body, |body| Body { mount: Some((from, point.into(), false)), ..body })
     }
 
     /// Mounts a body that turns about an axis of another one, relative to it.
-    #[must_use]
     pub fn mount(self, body: usize, on: usize, axis: Vector3<f64>) -> Self {
         self.changed(body, |body| Body {
             mount: Some((on, [0.0; 3], true)),
@@ -386,7 +371,6 @@ impl Scene {
     }
 
     /// Hides the axes of a body.
-    #[must_use]
     pub fn without_axes(self, body: usize) -> Self {
         self.changed(body, |body| Body { axes: Some(false), ..body })
     }
@@ -399,19 +383,16 @@ impl Scene {
     }
 
     /// Sets the height of the ground, m.
-    #[must_use]
     pub fn ground(self, height: f64) -> Self {
         Self { ground: Some(height), ..self }
     }
 
     /// Gives a body another shape.
-    #[must_use]
     pub fn solid(self, body: usize, solid: impl Into<Option<Solid>>) -> Self {
         self.changed(body, |body| body.with(solid))
     }
 
     /// Makes a body a bob at the end of a rod of this length, m, below the body's origin.
-    #[must_use]
     pub fn bob(self, body: usize, length: f64) -> Self {
         let end = vector![0.0, 0.0, -length];
         let mut scene = self.solid(body, Solid::new(Shape::Sphere { radius: 0.08 * length }).at(end));
@@ -420,14 +401,12 @@ impl Scene {
     }
 
     /// Adds the weight of a body, N, at a point in its axes, m.
-    #[must_use]
     pub fn weight(self, body: usize, weight: f64, point: Vector3<f64>) -> Self {
         self.arrow(Arrow::constant("weight", vector![0.0, 0.0, -weight], "N").symbol("mg").on(body, point))
     }
 
     /// Makes a body a top under its weight, N: with the lever to its centre of mass, m, and the solid that this weight
     /// on Earth and this moment of inertia about the origin, kg m², belong to.
-    #[must_use]
     pub fn top(self, body: usize, inertia: &Matrix3<f64>, weight: f64, lever: Vector3<f64>) -> Self {
         let mass = weight / EARTH;
         let about_centre = inertia

@@ -68,6 +68,7 @@ impl Shape {
 
 /// A shape at its place on a body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[must_use]
 pub struct Solid {
     /// Its name.
     #[serde(flatten)]
@@ -102,13 +103,11 @@ impl Solid {
     }
 
     /// Centred here, in body axes, m.
-    #[must_use]
     pub fn at(self, centre: Vector3<f64>) -> Self {
         Self { centre: centre.into(), ..self }
     }
 
     /// With its third axis along this direction in body axes.
-    #[must_use]
     pub fn along(self, axis: Vector3<f64>) -> Self {
         let turn = UnitQuaternion::rotation_between(&Vector3::z(), &axis);
         // opposite directions: any half turn across
@@ -119,7 +118,6 @@ impl Solid {
     }
 
     /// Drawn at a size that suits the scene: only the ratios of its lengths have a meaning.
-    #[must_use]
     pub fn of_any_size(self) -> Self {
         Self { relative: true, ..self }
     }

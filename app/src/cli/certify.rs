@@ -8,11 +8,11 @@ use coadjoint::system::Quantity;
 use serde_json::json;
 
 use super::console::OutputMode;
+use crate::catalogue::Catalogue;
 use crate::catalogue::casimir::symbols;
-use crate::catalogue::{Catalogue, Entry};
 use crate::error::Error;
-use crate::setup::{Method, Order, Retraction};
-use crate::simulate::{self, scheme, states_in_motion};
+use crate::setup::{Method, Retraction};
+use crate::simulate::{self, has_method, states_in_motion};
 
 /// The arguments of `certify`.
 #[derive(Debug, Args)]
@@ -29,14 +29,6 @@ pub(crate) struct CertifyArguments {
     pub(crate) output: OutputMode,
 }
 
-/// Tells whether steps of a method were generated.
-fn is_there(entry: &Entry, method: Method) -> bool {
-    let retraction = Retraction::of(entry).first().copied().unwrap_or(Retraction::Exponential);
-    let system = entry.system(&entry.example.parameters);
-    let scheme = scheme(method, retraction, Order::Two);
-    scheme.is_ok_and(|scheme| coadjoint::erased::Stepper::new(system.clone(), &scheme, entry.step).is_ok())
-}
-
 /// Measures what the schemes claim of their steps of a system, on the system's example, or near it where that rests;
 /// fails if a claim is wrong.
 pub(crate) fn certify(
@@ -50,7 +42,7 @@ pub(crate) fn certify(
         Some(method) => vec![method],
         None => [Method::Standard, Method::Midpoint]
             .into_iter()
-            .filter(|&method| is_there(entry, method))
+            .filter(|&method| has_method(entry, method))
             .collect(),
     };
     let retractions = match arguments.retraction {
@@ -76,8 +68,8 @@ pub(crate) fn certify(
     for line in legend(&reports) {
         writeln!(console.words(), "{line}")?;
     }
-    let notes = console.notes().to_vec();
     let passed = reports.iter().all(Report::passed);
+    let notes = console.notes.clone();
     console.object(|| json!({ "passed": passed, "states": states, "reports": reports, "notes": notes }))?;
     match reports.iter().filter(|report| !report.passed()).count() {
         0 => Ok(()),

@@ -1,6 +1,7 @@
 //! Where a command prints: words for people, or one JSON object for programs; notes beside them.
 
 use std::io::{self, Write};
+use std::path::PathBuf;
 
 use clap::Args;
 use serde_json::Value;
@@ -28,7 +29,7 @@ pub struct Console<'a> {
     mode: OutputMode,
     /// Whether standard output is taken by data, so that words have to go elsewhere.
     is_taken: bool,
-    notes: Vec<String>,
+    pub(super) notes: Vec<String>,
 }
 
 impl OutputMode {
@@ -80,11 +81,6 @@ impl Console<'_> {
         Progress::new(label, total, unit, self.mode.quiet)
     }
 
-    /// Lists all notes so far.
-    pub fn notes(&self) -> &[String] {
-        &self.notes
-    }
-
     /// Prints a JSON object, if one was asked for.
     ///
     /// # Errors
@@ -94,6 +90,32 @@ impl Console<'_> {
             writeln!(self.stdout, "{:#}", object())?;
         }
         Ok(())
+    }
+
+    /// Prints a JSON object with notes and files, if asked for.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub(crate) fn summary(
+        &mut self,
+        written: &[PathBuf],
+        object: impl FnOnce() -> Value,
+    ) -> Result<(), Error> {
+        let notes = self.notes.clone();
+        self.object(|| {
+            let mut object = object();
+            object["notes"] = notes.into();
+            object["written"] = written.iter().map(|path| path.display().to_string()).collect();
+            object
+        })
+    }
+
+    /// Says which files were written.
+    ///
+    /// # Errors
+    /// If it cannot be said.
+    pub(crate) fn wrote(&mut self, written: &[PathBuf]) -> Result<(), Error> {
+        written.iter().try_for_each(|path| Ok(writeln!(self.words(), "wrote {}", path.display())?))
     }
 }
 
@@ -121,7 +143,7 @@ mod tests {
             console.note("n".to_owned()).expect("writable");
             writeln!(console.words(), "words").expect("writable");
             console.object(|| 1.into()).expect("writable");
-            assert_eq!(console.notes(), ["n"]);
+            assert_eq!(console.notes, ["n"]);
             assert_eq!(String::from_utf8(printed).expect("UTF-8"), expected, "{mode:?}");
         }
         let taken = OutputMode { json: true, quiet: false }.on(&mut io::sink(), true).map(|_| ());

@@ -6,14 +6,15 @@ use std::path::PathBuf;
 
 use clap::Args;
 use coadjoint::ensemble::Spread;
-use coadjoint::system::{Quantity, Role};
+use coadjoint::system::Role;
 use serde_json::{Value, json};
 
 use super::console::{Console, OutputMode};
 use super::interrupt;
 use super::motion::{Motion, MotionArguments, SchemeArguments, check_scheme, job};
+use crate::catalogue::quantities::{Component, components};
 use crate::catalogue::suggest::did_you_mean;
-use crate::catalogue::{Catalogue, Entry, component_name};
+use crate::catalogue::{Catalogue, Entry};
 use crate::error::{Error, RunError, SetupError};
 use crate::files::{
     FileOrigin, Members, NewFile, OverwriteGuard, PlannedFile, Provenance, Status, file_in, is_stdout, table,
@@ -125,19 +126,13 @@ fn execute(
     for path in &written.kept {
         console.note(format!("{} holds the whole ensemble, and stays", path.display()))?;
     }
-    let written = written.files;
-    let notes = console.notes().to_vec();
-    console.object(|| {
+    console.summary(&written.files, || {
         let mut object = object(entry, setup, &spec, &named, &summary);
-        object["notes"] = notes.into();
-        object["written"] = written.iter().map(|path| path.display().to_string()).collect();
         object["interrupted"] = interrupt::requested().into();
         object
     })?;
     report(entry, &summary, &spec, console.words())?;
-    for path in written {
-        writeln!(console.words(), "wrote {}", path.display())?;
-    }
+    console.wrote(&written.files)?;
     match summary.failed.first() {
         _ if interrupt::requested() => Err(Error::Interrupted),
         Some(first) if summary.failed.len() == spec.members => {
@@ -209,21 +204,14 @@ fn moved(
 
 /// The observables asked for, with their names.
 fn observables(entry: &Entry, asked: &[String]) -> Result<Vec<(String, Observable)>, SetupError> {
-    let mut all = vec![("energy".to_owned(), Observable::Energy)];
-    let mut momenta = Vec::new();
-    for (quantity, slots) in Quantity::with_ranges(entry.description.state) {
-        let Quantity { role, components, .. } = quantity;
-        for (component, slot) in components.iter().zip(slots) {
-            let observable = (component_name(quantity, component), Observable::State(slot));
-            if *role == Role::Momentum && momenta.len() < MOST {
-                momenta.push(observable.clone());
-            }
-            all.push(observable);
-        }
-    }
+    let of = |component: Component| (component.name, Observable::State(component.slot));
+    let state = || components(entry.description.state);
     if asked.is_empty() {
-        return Ok(momenta);
+        let momenta = state().filter(|component| component.quantity.role == Role::Momentum);
+        return Ok(momenta.take(MOST).map(of).collect());
     }
+    let all: Vec<_> =
+        std::iter::once(("energy".to_owned(), Observable::Energy)).chain(state().map(of)).collect();
     let find = |name: &String| {
         all.iter().find(|(known, _)| known == name).cloned().ok_or_else(|| {
             let names: Vec<&str> = all.iter().map(|(known, _)| known.as_str()).collect();

@@ -3,12 +3,12 @@
 use std::io::Write;
 
 use clap::Args;
-use coadjoint::system::Quantity;
+use coadjoint::system::{Kind, Quantity};
 use serde_json::{Value, json};
 
 use super::console::OutputMode;
 use super::program;
-use crate::catalogue::{Catalogue, Entry, casimir};
+use crate::catalogue::{Catalogue, Entry, casimir, unit};
 use crate::error::Error;
 use crate::setup::{Method, Retraction};
 use crate::simulate::has_method;
@@ -51,9 +51,9 @@ fn one(words: &mut dyn Write, entry: &Entry) -> Result<(), Error> {
     let title = format!("{}: {}", entry.name, entry.about);
     writeln!(words, "{}", wrapped(title.trim_end_matches(": "), 80).join("\n"))?;
     let example = &entry.example;
-    quantities(words, entry, "parameters", entry.description.parameters, Some(&example.parameters))?;
-    quantities(words, entry, "initial state", entry.description.state, Some(&example.state))?;
-    quantities(words, entry, "controls", entry.description.controls, None)?;
+    quantities(words, "parameters", entry.description.parameters, Some(&example.parameters))?;
+    quantities(words, "initial state", entry.description.state, Some(&example.state))?;
+    quantities(words, "controls", entry.description.controls, None)?;
     if !entry.description.controls.is_empty() {
         writeln!(words, "  held over each step, chosen by the system's own law, or by `--set`")?;
     }
@@ -61,7 +61,7 @@ fn one(words: &mut dyn Write, entry: &Entry) -> Result<(), Error> {
     let conserved = conserved(entry, casimir::listed(entry));
     let while_held = entry.description.autonomous && !entry.conserves_energy();
     if while_held {
-        let energy = with_unit("energy while the controls are the same", entry.unit("energy"));
+        let energy = with_unit("energy while the controls are the same", entry.energy_unit);
         writeln!(words, "  {energy}")?;
     } else if conserved.is_empty() {
         writeln!(words, "  nothing")?;
@@ -84,7 +84,6 @@ fn one(words: &mut dyn Write, entry: &Entry) -> Result<(), Error> {
 /// One line for each quantity with its value in the example, as `--set` takes it, and below it what it is.
 fn quantities(
     words: &mut dyn Write,
-    entry: &Entry,
     title: &str,
     all: &[Quantity],
     values: Option<&[f64]>,
@@ -95,8 +94,7 @@ fn quantities(
     for (quantity, slots) in Quantity::with_ranges(all) {
         let list = |values: &[f64]| values.iter().map(|x| exact(*x)).collect::<Vec<_>>().join(",");
         let value = values.map_or(String::new(), |values| format!("={}", list(&values[slots])));
-        let unit = entry.unit(quantity.name);
-        writeln!(words, "  {}", format!("{}{value}  {unit}", quantity.name).trim_end())?;
+        writeln!(words, "  {}", format!("{}{value}  {}", quantity.name, unit(quantity)).trim_end())?;
         for line in wrapped(&format!("{} {}", order(quantity), quantity.doc), 74) {
             writeln!(words, "      {line}")?;
         }
@@ -104,16 +102,11 @@ fn quantities(
     Ok(())
 }
 
-/// The order of a quantity's numbers, `(w, x, y, z)`; nothing of a single one, or of a matrix, which has a pattern.
+/// The order of a quantity's numbers, `(w, x, y, z)`, where it is not obvious.
 fn order(quantity: &Quantity) -> String {
-    match quantity.components {
-        [_] | [] => String::new(),
-        components
-            if components.iter().all(|component| component.len() == 2 && !component.starts_with('p')) =>
-        {
-            String::new()
-        }
-        components => format!("({})", components.join(", ")),
+    match (quantity.kind, quantity.components) {
+        (Kind::Matrix(..) | Kind::SymmetricMatrix(_) | Kind::UnitComplex, _) | (_, [_] | []) => String::new(),
+        (_, components) => format!("({})", components.join(", ")),
     }
 }
 
@@ -122,7 +115,7 @@ fn conserved<N: From<&'static str>>(
     entry: &Entry,
     casimirs: impl Iterator<Item = (N, &'static str)>,
 ) -> Vec<(N, &'static str)> {
-    let energy = entry.conserves_energy().then(|| ("energy".into(), entry.unit("energy")));
+    let energy = entry.conserves_energy().then(|| ("energy".into(), entry.energy_unit));
     energy.into_iter().chain(casimirs).collect()
 }
 
@@ -143,7 +136,7 @@ fn object(entry: &Entry) -> Value {
     let of = |all: &[Quantity], values: Option<&[f64]>| {
         let quantity = |(quantity, slots): (&Quantity, std::ops::Range<usize>)| {
             json!({
-                "name": quantity.name, "components": quantity.components, "unit": entry.unit(quantity.name),
+                "name": quantity.name, "components": quantity.components, "unit": unit(quantity),
                 "about": quantity.doc, "example": values.map(|values| &values[slots]),
             })
         };

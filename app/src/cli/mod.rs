@@ -28,7 +28,7 @@ use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::catalogue::{Catalogue, Entry};
-use crate::error::{Error, FileProblem, RunError};
+use crate::error::{Error, FileError, RunError};
 
 /// The meaning of exit codes.
 const EXIT_CODES: &str = "\
@@ -81,6 +81,7 @@ enum Command {
 type RunFn = Box<dyn Fn(&Catalogue, &ArgMatches, &mut dyn Write) -> Result<(), Error>>;
 
 /// A program for some systems: [`main`](crate::main), with commands of its own.
+#[must_use]
 pub struct App {
     catalogue: Catalogue,
     commands: Vec<(clap::Command, RunFn)>,
@@ -101,7 +102,6 @@ impl App {
 
     /// With one more command, of this name, with a line about it: what runs it gets its arguments, and writes to the
     /// console.
-    #[must_use]
     pub fn command<A: clap::Args + 'static>(
         mut self,
         name: &'static str,
@@ -118,7 +118,6 @@ impl App {
     }
 
     /// With one of its commands for a call without any, which otherwise shows the help.
-    #[must_use]
     pub fn default_command(self, name: &'static str) -> Self {
         Self { default: Some(name), ..self }
     }
@@ -234,7 +233,7 @@ fn parsed(words: Vec<String>) -> Result<Command, clap::Error> {
 fn exit_code(error: &Error) -> u8 {
     match error {
         Error::Setup(_) => 2,
-        Error::File(error) if matches!(error.source, FileProblem::Write(_)) => 4,
+        Error::File(FileError::Write(..)) => 4,
         Error::File(_) => 2,
         Error::Run(
             RunError::Setup(_) | RunError::Stepper(_) | RunError::Ensemble(_) | RunError::Member { .. },

@@ -45,7 +45,7 @@ pub(crate) fn play(arguments: &PlayArguments, stdout: &mut dyn Write) -> Result<
     let page = shown(&arguments.files)?;
     guard.write_all(&[(out.clone(), page.to_html().into_bytes())])?;
     if !is_stdout(&out) {
-        writeln!(console.words(), "wrote {}", out.display())?;
+        console.wrote(std::slice::from_ref(&out))?;
     }
     if arguments.open {
         show(&out, &mut console)?;

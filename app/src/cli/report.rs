@@ -40,7 +40,7 @@ impl RunSummary {
         let mut lines = Vec::new();
         let energy = &self.conservation.energy;
         lines.push(if entry.conserves_energy() {
-            format!("energy: {}", describe(energy, self.conservation.steps, entry.unit("energy")))
+            format!("energy: {}", describe(energy, self.conservation.steps, entry.energy_unit))
         } else if entry.description.autonomous {
             "energy: conserved only while the controls are the same".to_owned()
         } else {
@@ -105,7 +105,7 @@ impl<'a> Table<'a> {
         let row = |name: &str, cell: &dyn Fn(&RunSummary) -> String| {
             (name.to_owned(), self.runs.iter().map(cell).collect::<Vec<_>>())
         };
-        let of = |energy: &str| with_unit(energy, self.entry.unit("energy"));
+        let of = |energy: &str| with_unit(energy, self.entry.energy_unit);
         let mut rows = vec![
             row("retraction", &|run| match run.job.method.classical() {
                 None => run.job.retraction.name().to_owned(),

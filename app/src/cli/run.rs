@@ -144,26 +144,27 @@ fn described(
         return Err(SetupError::new("every", 0, "`every` must be 1 or more, got 0").into());
     }
     let format = Some(arguments.format.or(config.format).unwrap_or(Format::Csv));
-    let inputs = arguments.chosen.config.iter().cloned().collect();
-    let plan = Plan { every, format, inputs, ..planned(&motion, arguments) };
-    execute(motion.entry, plan, arguments, console)
+    let RunArguments { plot, watch_every_step: watch, checkpoint_every: pause, .. } = *arguments;
+    let html = arguments.html.clone();
+    let plan = Plan { every, watch, format, plot, html, pause, ..planned(&motion, &arguments.chosen) };
+    execute(motion.entry, plan, arguments.open, arguments.checkpoint.as_deref(), console)
 }
 
-/// Plans a run of which nothing is written yet.
-fn planned(motion: &Motion<'_>, arguments: &RunArguments) -> Plan {
+/// Plans a run that looks at every step and writes nothing.
+fn planned(motion: &Motion<'_>, chosen: &ChosenRun) -> Plan {
     Plan {
         system: motion.entry.name.clone(),
         setup: motion.setup.clone(),
         job: motion.job,
         every: 1,
-        watch: arguments.watch_every_step,
+        watch: true,
         format: None,
-        plot: arguments.plot,
-        html: arguments.html.clone(),
-        out: arguments.chosen.motion.out.clone(),
-        pause: arguments.checkpoint_every,
-        force: arguments.chosen.motion.force,
-        inputs: Vec::new(),
+        plot: false,
+        html: None,
+        out: chosen.motion.out.clone(),
+        pause: PAUSE,
+        force: chosen.motion.force,
+        inputs: chosen.config.iter().cloned().collect(),
     }
 }
 
@@ -171,11 +172,11 @@ fn planned(motion: &Motion<'_>, arguments: &RunArguments) -> Plan {
 fn execute(
     entry: &Entry,
     plan: Plan,
-    arguments: &RunArguments,
+    open: bool,
+    checkpoint: Option<&Path>,
     console: &mut Console<'_>,
 ) -> Result<(), Error> {
-    let checkpoint = arguments.checkpoint.as_deref();
-    let page = plan.html.clone().filter(|_| arguments.open);
+    let page = plan.html.clone().filter(|_| open);
     let session = Session::begin(entry, plan, checkpoint)?;
     go_on(session, checkpoint, console)?;
     page.map_or(Ok(()), |page| play::show(&page, console))
@@ -219,25 +220,10 @@ pub(crate) fn view(
     }
     let mut console = output.on(stdout, false)?;
     let (motion, _) = chosen.motion(catalogue, &mut console)?;
-    let arguments = RunArguments {
-        chosen: chosen.clone(),
-        html: html.clone(),
-        open: *open,
-        again: None,
-        every: None,
-        watch_every_step: true,
-        format: None,
-        plot: false,
-        checkpoint: None,
-        checkpoint_every: PAUSE,
-        scan: Vec::new(),
-        output: *output,
-    };
-    let inputs = chosen.config.iter().cloned().collect();
-    let mut plan = Plan { inputs, ..planned(&motion, &arguments) };
+    let mut plan = planned(&motion, chosen);
     let stem = plan.provenance(motion.entry).stem(motion.entry, &plan.job);
     plan.html = Some(html.clone().unwrap_or_else(|| plan.out.join(format!("{stem}.html"))));
-    execute(motion.entry, plan, &arguments, &mut console)
+    execute(motion.entry, plan, *open, None, &mut console)
 }
 
 /// Makes the run again that made a file, with a file of the same kind: by the command that stands beside it.
@@ -283,17 +269,14 @@ fn again(
 
 /// Reports a run.
 fn report(done: FinishedRun<'_>, checkpoint: Option<&Path>, console: &mut Console<'_>) -> Result<(), Error> {
-    let FinishedRun { entry, plan, conservation, off_group, report, written, interrupted, notes } = done;
+    let FinishedRun { entry, plan, summary, written, interrupted, notes } = done;
     notes.into_iter().try_for_each(|note| console.note(note))?;
     let time_per_step = if interrupted { None } else { time_per_step(entry, &plan.setup, &plan.job)? };
-    let end = conservation.time;
-    let summary = RunSummary { job: plan.job, report, conservation, off_group, time_per_step };
+    let end = summary.conservation.time;
+    let summary = RunSummary { time_per_step, ..summary };
     let conclusions = summary.conclusions(entry);
-    let notes = console.notes().to_vec();
-    console.object(|| {
+    console.summary(&written, || {
         let mut object = summary.object(entry, &plan.setup);
-        object["notes"] = notes.into();
-        object["written"] = written.iter().map(|path| path.display().to_string()).collect();
         object["interrupted"] = interrupted.into();
         object
     })?;
@@ -302,12 +285,11 @@ fn report(done: FinishedRun<'_>, checkpoint: Option<&Path>, console: &mut Consol
     for line in conclusions {
         writeln!(words, "{}", wrapped(&line, 78).join("\n  "))?;
     }
-    for path in written {
-        writeln!(words, "wrote {}", path.display())?;
-    }
+    console.wrote(&written)?;
     if !interrupted {
         return Ok(());
     }
+    let words = console.words();
     writeln!(words, "interrupted at {end} s")?;
     if let Some(path) = checkpoint {
         writeln!(words, "`{} resume {}` resumes it", program(), path.display())?;

@@ -1,5 +1,6 @@
 //! `coadjoint run --scan`: one run for each value of a parameter or two, in parallel.
 
+use std::path::PathBuf;
 use std::sync::Mutex;
 use std::time::Instant;
 
@@ -53,15 +54,12 @@ pub(super) fn scan(
         return Err(Error::Interrupted);
     }
     guard.write_all(&[(file.clone(), table(&records(entry, &scans, &rows)))])?;
-    let written = Some(file).filter(|file| !is_stdout(file));
-    let notes = console.notes().to_vec();
-    console.object(|| {
+    let written: Vec<PathBuf> = Some(file).into_iter().filter(|file| !is_stdout(file)).collect();
+    console.summary(&written, || {
         let described = |row: &ScanRow| object(entry, &scans, row);
         let mut object = Value::Object(run.fields());
         object["steps"] = motion.job.steps.into();
         object["runs"] = rows.iter().map(described).collect();
-        object["notes"] = notes.into();
-        object["written"] = written.iter().map(|path| path.display().to_string()).collect();
         object
     })?;
     let words = console.words();
@@ -72,15 +70,13 @@ pub(super) fn scan(
         grouped(rows.len() as u64),
         grouped(job.steps)
     )?;
-    if let Some(path) = &written {
-        writeln!(words, "wrote {}", path.display())?;
-    }
+    console.wrote(&written)?;
     Ok(scan::none_left(&rows)?)
 }
 
 /// The names and units of the errors.
 fn conserved(entry: &Entry) -> Vec<(&'static str, &'static str)> {
-    std::iter::once(("energy", entry.unit("energy"))).chain(entry.casimirs()).collect()
+    std::iter::once(("energy", entry.energy_unit)).chain(entry.casimirs()).collect()
 }
 
 /// Lays out the table for the terminal: the columns that fit.

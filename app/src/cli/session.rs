@@ -10,15 +10,16 @@ use coadjoint::erased;
 use serde::{Deserialize, Serialize};
 
 use super::interrupt;
+use super::report::RunSummary;
 use crate::catalogue::{Catalogue, Entry};
 use crate::error::{Error, FileError, SetupError};
 use crate::files::{
     CheckpointStore, NewFile, OverwriteGuard, PlannedFile, Provenance, Status, TrajectoryWriter, Written,
-    beside, digest, is_stdout,
+    digest, file_in, is_stdout, rows_of,
 };
 use crate::page::{PageHeading, page};
 use crate::picture::{Kind, run_figure};
-use crate::record::{ConservationReport, Curves, PageRecorder, Recorders};
+use crate::record::{Curves, PageRecorder, Recorders};
 use crate::setup::{Format, Job, Setup};
 use crate::simulate::{Checkpoint, Sample, simulate};
 
@@ -61,61 +62,36 @@ impl Plan {
         let watch = self.watch && self.every != 1;
         Provenance { watch, ..Provenance::of_run(entry, &self.setup, &self.job, self.every) }
     }
-
-    /// Names a file of the run.
-    fn place(&self, stem: &str, extension: &str) -> PathBuf {
-        self.out.join(format!("{stem}.{extension}"))
-    }
 }
 
-/// The files that a run writes.
+/// The files that a run writes beside its page.
 #[derive(Clone, Debug)]
 struct RunFiles {
     trajectory: Option<(Format, PathBuf)>,
     pictures: Vec<(Kind, PathBuf)>,
-    page: Option<PathBuf>,
 }
 
 impl RunFiles {
     fn of(entry: &Entry, plan: &Plan) -> Result<Self, Error> {
-        let to_stdout = is_stdout(&plan.out);
-        if to_stdout && plan.plot {
+        if is_stdout(&plan.out) && plan.plot {
             let reason = "`--plot` writes pictures: `--out` has to name a directory";
             return Err(SetupError::new("out", "-", reason).into());
         }
         let stem = plan.provenance(entry).stem(entry, &plan.job);
-        let trajectory = plan.format.map(|format| match to_stdout {
-            true => (format, plan.out.clone()),
-            false => (format, plan.place(&stem, format.extension())),
-        });
+        let place = |extension: &str| file_in(&plan.out, &format!("{stem}.{extension}"));
+        let trajectory = plan.format.map(|format| (format, place(format.extension())));
         let kinds = if plan.plot { Kind::ALL } else { &[] };
-        let pictures = kinds.iter().map(|kind| (*kind, plan.place(&stem, kind.extension()))).collect();
-        Ok(Self { trajectory, pictures, page: plan.html.clone() })
-    }
-
-    /// Lists what each is to the run.
-    fn planned(&self, plan: &Plan, checkpoint: Option<&Path>) -> Vec<PlannedFile> {
-        let file = |what, path: &Path, written| PlannedFile { what, path: path.to_owned(), written };
-        let mut files: Vec<PlannedFile> =
-            plan.inputs.iter().map(|path| file("what describes the run", path, false)).collect();
-        if let Some(path) = checkpoint {
-            files.push(file("the checkpoint", path, false));
-            files.push(file("the checkpoint's rows", &beside(path, "rows"), false));
-        }
-        files.extend(self.trajectory.iter().map(|(_, path)| file("the trajectory", path, true)));
-        files.extend(self.page.iter().map(|path| file("the page", path, true)));
-        files.extend(self.pictures.iter().map(|(_, path)| file("the picture", path, true)));
-        files
+        Ok(Self { trajectory, pictures: kinds.iter().map(|kind| (*kind, place(kind.extension()))).collect() })
     }
 }
 
 /// The content of a checkpoint: all that is needed to resume a run.
 #[derive(Debug, Serialize, Deserialize)]
-struct Saved {
-    plan: Plan,
+struct Saved<P = Plan, R = Recorders> {
+    plan: P,
     /// A checksum of the program's version, the system's description, and its first steps.
     version: u32,
-    recorders: Recorders,
+    recorders: R,
     /// None before the first step.
     checkpoint: Option<Checkpoint>,
 }
@@ -161,7 +137,6 @@ pub struct Session<'e> {
 }
 
 /// The destination of the trajectory's rows.
-#[derive(Debug)]
 enum Rows {
     /// Nowhere.
     Discarded,
@@ -178,12 +153,8 @@ pub struct FinishedRun<'e> {
     pub entry: &'e Entry,
     /// Its plan.
     pub plan: Plan,
-    /// The conservation of energy and Casimirs.
-    pub conservation: ConservationReport,
-    /// How far the configuration was off its group, at most.
-    pub off_group: f64,
-    /// Newton iterations and the like, of the steps since it was started or resumed.
-    pub report: RunReport,
+    /// The findings of the steps since it was started or resumed; none is timed.
+    pub summary: RunSummary,
     /// The files that it wrote.
     pub written: Vec<PathBuf>,
     /// Whether Ctrl-C ended it.
@@ -208,25 +179,18 @@ impl<'e> Session<'e> {
             page: plan.html.is_some().then(|| PageRecorder::new(entry, steps)),
             ..Recorders::default()
         };
-        let mut session = Self {
-            system: entry.system(&plan.setup.parameters),
-            rows: Rows::Discarded,
-            from: None,
-            entry,
-            plan,
-            files,
-            guard,
-            recorders,
+        let rows = match (checkpoint, &files.trajectory) {
+            (Some(path), _) => {
+                let saved = saved(entry, &plan, &recorders, None);
+                Rows::Checkpoint(CheckpointStore::begin(path, entry.columns(), &saved)?)
+            }
+            (None, Some((format, path))) => {
+                Rows::File(TrajectoryWriter::create(path, *format, entry, guard.origin())?)
+            }
+            (None, None) => Rows::Discarded,
         };
-        if let Some(path) = checkpoint {
-            let saved = session.saved(None);
-            session.rows = Rows::Checkpoint(CheckpointStore::begin(path, entry.columns(), &saved)?);
-            session.recorders = saved.recorders;
-        } else if let Some((format, path)) = &session.files.trajectory {
-            let writer = TrajectoryWriter::create(path, *format, entry, session.guard.origin())?;
-            session.rows = Rows::File(writer);
-        }
-        Ok(session)
+        let system = entry.system(&plan.setup.parameters);
+        Ok(Self { entry, system, plan, files, guard, recorders, rows, from: None })
     }
 
     /// Resumes a run from its checkpoint.
@@ -274,10 +238,8 @@ impl<'e> Session<'e> {
         // an error's peak may be as short as one step, but to look at a step takes several times as long as the step
         let interval = if self.plan.watch { 1 } else { self.plan.every };
         let next = |index: u64| {
-            [interval, INTERVAL]
-                .map(|interval| (index / interval + 1).saturating_mul(interval))
-                .into_iter()
-                .fold(u64::MAX, u64::min)
+            let after = |interval: u64| (index / interval + 1).saturating_mul(interval);
+            after(interval).min(after(INTERVAL))
         };
         let simulated = simulate(entry, &setup, &job, from.as_ref(), &next, &mut |sample| {
             let is_due = sample.index.is_multiple_of(INTERVAL);
@@ -323,22 +285,11 @@ impl<'e> Session<'e> {
     }
 
     fn save(&mut self, sample: &Sample<'_>) -> Result<(), Error> {
-        if !matches!(self.rows, Rows::Checkpoint(_)) {
-            return Ok(());
+        if let Rows::Checkpoint(store) = &mut self.rows {
+            let checkpoint = Some(Checkpoint::at(sample));
+            store.save(&saved(self.entry, &self.plan, &self.recorders, checkpoint))?;
         }
-        let saved = self.saved(Some(Checkpoint::at(sample)));
-        let done = match &mut self.rows {
-            Rows::Checkpoint(store) => store.save(&saved),
-            _ => Ok(()),
-        };
-        self.recorders = saved.recorders;
-        Ok(done?)
-    }
-
-    /// Collects what the run is to be resumed with; its recorders have to be given back.
-    fn saved(&mut self, checkpoint: Option<Checkpoint>) -> Saved {
-        let recorders = std::mem::take(&mut self.recorders);
-        Saved { plan: self.plan.clone(), version: version(self.entry, &self.plan), recorders, checkpoint }
+        Ok(())
     }
 
     /// Writes the trajectory, the pictures and the page.
@@ -373,8 +324,9 @@ impl<'e> Session<'e> {
         }
         let notes =
             kept.iter().map(|path| format!("{} holds the whole run, and stays", path.display())).collect();
-        let (off_group, interrupted) = (recorders.off_group, interrupted.is_some());
-        Ok(FinishedRun { entry, plan, conservation, off_group, report, written, interrupted, notes })
+        let off_group = recorders.off_group;
+        let summary = RunSummary { job: plan.job, report, conservation, off_group, time_per_step: None };
+        Ok(FinishedRun { entry, plan, summary, written, interrupted: interrupted.is_some(), notes })
     }
 }
 
@@ -385,9 +337,27 @@ fn claimed(
     checkpoint: Option<&Path>,
 ) -> Result<(RunFiles, OverwriteGuard), Error> {
     let files = RunFiles::of(entry, plan)?;
+    let file = |what, path: &Path, written| PlannedFile { what, path: path.to_owned(), written };
+    let inputs = plan.inputs.iter().map(|path| file("what describes the run", path, false));
+    let mut planned: Vec<PlannedFile> = inputs.collect();
+    planned.extend(checkpoint.map(|path| file("the checkpoint", path, false)));
+    planned.extend(checkpoint.map(|path| file("the checkpoint's rows", &rows_of(path), false)));
+    planned.extend(files.trajectory.iter().map(|(_, path)| file("the trajectory", path, true)));
+    planned.extend(plan.html.iter().map(|path| file("the page", path, true)));
+    planned.extend(files.pictures.iter().map(|(_, path)| file("the picture", path, true)));
     let guard = OverwriteGuard::new(plan.provenance(entry).origin(), plan.force);
-    guard.check_all(&files.planned(plan, checkpoint))?;
+    guard.check_all(&planned)?;
     Ok((files, guard))
+}
+
+/// Collects what a run is to be resumed with.
+fn saved<'a>(
+    entry: &Entry,
+    plan: &'a Plan,
+    recorders: &'a Recorders,
+    checkpoint: Option<Checkpoint>,
+) -> Saved<&'a Plan, &'a Recorders> {
+    Saved { plan, version: version(entry, plan), recorders, checkpoint }
 }
 
 /// Writes pictures and the page, not yet in their places.
@@ -399,7 +369,7 @@ fn shown(
 ) -> Result<Vec<(PathBuf, NewFile)>, FileError> {
     let Plan { setup, job, .. } = plan;
     let mut shown = Vec::new();
-    if let (Some(recorder), Some(path)) = (&recorders.page, &files.page) {
+    if let (Some(recorder), Some(path)) = (&recorders.page, &plan.html) {
         let (title, parameters, law) = (job.title(entry), &setup.parameters[..], entry.law(setup));
         let heading = PageHeading { title, parameters, step: job.step, steps: job.steps, law };
         let html = page(recorder, entry, &heading).to_html();
@@ -430,7 +400,7 @@ mod tests {
     use crate::setup::{Method, Order, Retraction};
     use crate::test_systems::catalogue;
 
-    fn saved(of: &str) -> Saved {
+    fn file(of: &str) -> Saved {
         let entry = catalogue().system(of).expect("it is there");
         let setup = entry.example.clone();
         let job = Job {
@@ -467,12 +437,12 @@ mod tests {
     fn a_checkpoint_that_was_tampered_with_is_damaged() {
         let path = std::env::temp_dir().join(format!("coadjoint-tampered-{}.ck", std::process::id()));
         let resumed = |tamper: &dyn Fn(&mut Saved)| {
-            let mut file = saved("heavy_top");
+            let mut file = self::file("heavy_top");
             tamper(&mut file);
             drop(CheckpointStore::begin(&path, Vec::new(), &file).expect("writable"));
             let resumed = Session::resume(catalogue(), &path);
             let _ = std::fs::remove_file(&path);
-            let _ = std::fs::remove_file(beside(&path, "rows"));
+            let _ = std::fs::remove_file(rows_of(&path));
             resumed.map(|_| ()).map_err(|error| error.to_string())
         };
         assert_eq!(resumed(&|_| {}), Ok(()));
@@ -481,7 +451,7 @@ mod tests {
         assert_eq!(resumed(&|file| file.plan.setup.parameters.truncate(1)), damaged);
         assert_eq!(resumed(&|file| file.plan.setup.state.push(0.0)), damaged);
         assert_eq!(resumed(&|file| file.checkpoint.as_mut().expect("there").state.clear()), damaged);
-        assert_eq!(resumed(&|file| file.recorders.curves = saved("kepler").recorders.curves), damaged);
+        assert_eq!(resumed(&|file| file.recorders.curves = self::file("kepler").recorders.curves), damaged);
         // another potential, of whatever text
         let other = resumed(&|file| file.plan.setup.parameters[3] = 2.0).expect_err("other steps");
         assert!(other.contains("another version of the program or the system"), "{other}");

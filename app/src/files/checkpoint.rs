@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::NewFile;
 use super::path::followed;
 use super::table::{table, write_row};
-use crate::error::{Error, FileError, FileProblem, SetupError};
+use crate::error::{Error, FileError, SetupError};
 
 /// The beginning of checkpoint files; the number is the version of the format.
 const MAGIC: &[u8] = b"coadjoint checkpoint 3\n";
@@ -185,24 +185,17 @@ impl CheckpointStore {
     }
 }
 
-/// Names the file of a checkpoint with this ending.
-pub(crate) fn beside(checkpoint: &Path, ending: &str) -> PathBuf {
+/// Names the file of a checkpoint's rows.
+pub(crate) fn rows_of(checkpoint: &Path) -> PathBuf {
     let mut name = checkpoint.as_os_str().to_owned();
-    name.push(".");
-    name.push(ending);
-    PathBuf::from(name)
-}
-
-fn rows_of(checkpoint: &Path) -> PathBuf {
-    beside(checkpoint, "rows")
+    name.push(".rows");
+    name.into()
 }
 
 /// Locks the rows of a checkpoint, as long as they are open.
 fn locked(checkpoint: &Path, rows: &File) -> Result<(), Error> {
     match rows.try_lock() {
-        Err(TryLockError::WouldBlock) => {
-            Err(FileError { path: checkpoint.to_owned(), source: FileProblem::InUse }.into())
-        }
+        Err(TryLockError::WouldBlock) => Err(FileError::InUse(checkpoint.to_owned()).into()),
         // where there are no locks, people see to it
         Err(TryLockError::Error(error)) if error.kind() != io::ErrorKind::Unsupported => {
             Err(FileError::write(&rows_of(checkpoint), error).into())

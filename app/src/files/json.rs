@@ -20,7 +20,7 @@
 
 use std::io::{self, Write as _};
 
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use super::NewFile;
 use super::run_json::FileOrigin;
@@ -64,16 +64,13 @@ impl Rows for Json {
         Ok(serde_json::to_writer(&mut self.file, row)?)
     }
 
-    fn finish(
-        mut self: Box<Self>,
-        entry: &Entry,
-        conservation: &ConservationReport,
-        interrupted: Option<u64>,
-    ) -> io::Result<NewFile> {
-        let invariants = invariants(entry, conservation);
-        write!(self.file, "\n  ],\n  \"invariants\": {invariants}")?;
-        if let Some(steps) = interrupted {
-            write!(self.file, ",\n  \"interrupted\": {steps}")?;
+    fn finish(mut self: Box<Self>, known: &Map<String, Value>) -> io::Result<NewFile> {
+        write!(self.file, "\n  ]")?;
+        // the order of names is that of the format
+        for (name, value) in
+            ["invariants", "interrupted"].iter().filter_map(|name| known.get_key_value(*name))
+        {
+            write!(self.file, ",\n  {}: {value}", json!(name))?;
         }
         writeln!(self.file, "\n}}")?;
         Ok(self.file)

@@ -13,7 +13,7 @@ mod write;
 
 use std::path::{Path, PathBuf};
 
-pub(crate) use self::checkpoint::{CheckpointStore, beside};
+pub(crate) use self::checkpoint::{CheckpointStore, rows_of};
 pub(crate) use self::json::invariants;
 pub(crate) use self::overwrite::Written;
 pub use self::overwrite::{OverwriteGuard, PlannedFile};

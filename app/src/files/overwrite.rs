@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::path::{is_special, is_stdout, resolved};
 use super::run_json::{Beside, FileOrigin, RunJson, Status};
 use super::write::{NewFile, make_directory_of};
-use crate::error::{FileError, FileProblem};
+use crate::error::FileError;
 
 /// Lets files replace those of the same origin, and others where that was asked for.
 #[derive(Clone, Debug)]
@@ -49,9 +49,7 @@ impl OverwriteGuard {
         if self.force || is_stdout(path) || is_special(path) {
             return Ok(());
         }
-        let taken = |path: &Path, made: String| {
-            Err(FileError { path: path.to_owned(), source: FileProblem::Taken(made) })
-        };
+        let taken = |path: &Path, made: String| Err(FileError::Taken(path.to_owned(), made));
         let stranger = || "was not made by this program".to_owned();
         let (beside, found) = RunJson::beside(path)?;
         match found {
@@ -81,15 +79,13 @@ impl OverwriteGuard {
             // into a device as much goes as one likes
             let other = (0..i).find(|&j| places[i] == places[j] && !is_special(&places[i]));
             if let Some(other) = other {
-                let source = FileProblem::Shared([files[other].what, file.what]);
-                return Err(FileError { path: file.path.clone(), source });
+                return Err(FileError::Shared(file.path.clone(), [files[other].what, file.what]));
             }
         }
         let written = || files.iter().filter(|file| file.written).map(|file| &file.path);
         let beside: Vec<PathBuf> = written().map(|path| resolved(path).with_extension("run.json")).collect();
         if let Some((file, _)) = files.iter().zip(&places).find(|(_, place)| beside.contains(place)) {
-            let source = FileProblem::Shared([file.what, "what says how it was made"]);
-            return Err(FileError { path: file.path.clone(), source });
+            return Err(FileError::Shared(file.path.clone(), [file.what, "what says how it was made"]));
         }
         written().try_for_each(|path| self.check(path))?;
         for path in written().filter(|path| !is_stdout(path) && !is_special(path)) {

@@ -12,12 +12,12 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
+use serde_json::{Map, Value};
+
 use super::NewFile;
-use super::json::invariants;
 use super::run_json::FileOrigin;
 use super::table::Rows;
 use crate::catalogue::Entry;
-use crate::record::ConservationReport;
 
 /// Rows that are kept in memory before they are written.
 const GROUP: usize = 1 << 14;
@@ -73,19 +73,12 @@ impl Rows for Parquet {
         }
     }
 
-    fn finish(
-        mut self: Box<Self>,
-        entry: &Entry,
-        conservation: &ConservationReport,
-        interrupted: Option<u64>,
-    ) -> io::Result<NewFile> {
+    fn finish(mut self: Box<Self>, known: &Map<String, Value>) -> io::Result<NewFile> {
         if self.columns.iter().any(|column| !column.is_empty()) {
             self.write_group().map_err(cause)?;
         }
-        let invariants = invariants(entry, conservation).to_string();
-        self.writer.append_key_value_metadata(KeyValue::new("invariants".to_owned(), invariants));
-        if let Some(steps) = interrupted {
-            self.writer.append_key_value_metadata(KeyValue::new("interrupted".to_owned(), steps.to_string()));
+        for (name, value) in known {
+            self.writer.append_key_value_metadata(KeyValue::new(name.clone(), value.to_string()));
         }
         self.writer.into_inner().map_err(cause)
     }

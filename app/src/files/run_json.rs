@@ -1,7 +1,7 @@
 //! `NAME.run.json`, which stands beside `NAME.csv` and the like: what made them, so that they can be made again and
 //! files of different runs are told apart.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::{self, Read};
 use std::ops::ControlFlow;
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use super::path::{followed, is_special, is_stdout};
-use crate::catalogue::Entry;
+use crate::catalogue::{Entry, unit};
 use crate::error::{FileError, SetupError};
 use crate::setup::{Classical, Job, Method, Order, Retraction, Setup, assignments};
 use crate::simulate::simulate;
@@ -88,7 +88,7 @@ impl Provenance {
         let held = setup.controls.iter().any(Option::is_some);
         let controls = if held { by_name(description.controls, &setup.controls) } else { Map::new() };
         let names = [description.parameters, description.state, description.controls];
-        let units = names.into_iter().flatten().map(|quantity| (quantity.name, entry.unit(quantity.name)));
+        let units = names.into_iter().flatten().map(|quantity| (quantity.name, unit(quantity)));
         let units = units.filter(|(_, unit)| !unit.is_empty());
         Self {
             program: PROGRAM.to_owned(),
@@ -249,7 +249,7 @@ pub(crate) fn by_name(quantities: &[Quantity], values: &[impl Serialize]) -> Map
 }
 
 /// The origin of files: a run of a system ([`Provenance`]), or a command. Files of one origin may replace each other.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FileOrigin(Map<String, Value>);
 
 impl FileOrigin {
@@ -315,10 +315,9 @@ impl FileOrigin {
         if !self.is_run() || !other.is_run() {
             return format!("was made by `{}`", other.command());
         }
-        let mut names: Vec<&str> = self.0.keys().chain(other.0.keys()).map(String::as_str).collect();
-        names.sort_unstable();
-        names.dedup();
-        names.retain(|name| *name != "command" && self.0.get(*name) != other.0.get(*name));
+        let names: BTreeSet<&str> = self.0.keys().chain(other.0.keys()).map(String::as_str).collect();
+        let differs = |name: &&str| *name != "command" && self.0.get(*name) != other.0.get(*name);
+        let names: Vec<&str> = names.into_iter().filter(differs).collect();
         format!("is of a run with another {}", names.join(", "))
     }
 }
@@ -335,8 +334,9 @@ pub(crate) enum Status {
 }
 
 /// The content of `NAME.run.json`.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct RunJson {
+    #[serde(flatten)]
     pub(super) origin: FileOrigin,
     /// For each file `complete`, or how much of the run it holds.
     files: BTreeMap<String, String>,
@@ -351,8 +351,6 @@ pub(super) enum Beside {
     Ours(RunJson),
 }
 
-/// The field of the files.
-const FILES: &str = "files";
 /// The status of whole files.
 const COMPLETE: &str = "complete";
 
@@ -385,18 +383,14 @@ impl RunJson {
     }
 
     fn parse(text: &[u8]) -> Option<Self> {
-        let mut fields: Map<String, Value> = serde_json::from_slice(text).ok()?;
-        let files = serde_json::from_value(fields.remove(FILES)?).ok()?;
-        let origin = FileOrigin(fields);
-        let is_ours = origin.0.get("program").is_some_and(|program| program == PROGRAM);
-        (is_ours && !origin.command().is_empty()).then_some(Self { origin, files })
+        let found: Self = serde_json::from_slice(text).ok()?;
+        let is_ours = found.origin.0.get("program").is_some_and(|program| program == PROGRAM);
+        (is_ours && !found.origin.command().is_empty()).then_some(found)
     }
 
     /// Writes its content.
     pub(super) fn text(&self) -> String {
-        let mut fields = self.origin.0.clone();
-        fields.insert(FILES.to_owned(), json!(self.files));
-        format!("{:#}\n", Value::Object(fields))
+        format!("{:#}\n", json!(self))
     }
 
     /// Tells whether it speaks of a file.

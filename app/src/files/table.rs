@@ -4,10 +4,12 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::NewFile;
-use super::json::Json;
+use super::json::{Json, invariants};
 #[cfg(feature = "parquet")]
 use super::parquet::Parquet;
 use super::run_json::FileOrigin;
+use serde_json::{Map, Value};
+
 use crate::catalogue::Entry;
 use crate::error::{Error, FileError};
 use crate::record::ConservationReport;
@@ -17,13 +19,8 @@ use crate::setup::Format;
 pub(super) trait Rows {
     /// Adds a row: time, the state's components, energy.
     fn row(&mut self, row: &[f64]) -> io::Result<()>;
-    /// Ends the file.
-    fn finish(
-        self: Box<Self>,
-        entry: &Entry,
-        conservation: &ConservationReport,
-        interrupted: Option<u64>,
-    ) -> io::Result<NewFile>;
+    /// Ends the file with what is known of the run, by name.
+    fn finish(self: Box<Self>, known: &Map<String, Value>) -> io::Result<NewFile>;
 }
 
 /// A trajectory being written; dropped before it is finished, it leaves no file.
@@ -57,10 +54,8 @@ impl TrajectoryWriter {
                 }
             })
         };
-        match rows() {
-            Ok(rows) => Ok(Self { path: path.to_owned(), rows }),
-            Err(source) => Err(failure(path, source)),
-        }
+        let rows = rows().map_err(|source| failure(path, source))?;
+        Ok(Self { path: path.to_owned(), rows })
     }
 
     /// Adds a row: time, the state's components, energy.
@@ -82,26 +77,20 @@ impl TrajectoryWriter {
         interrupted: Option<u64>,
     ) -> Result<(PathBuf, NewFile), Error> {
         let finish = || {
-            let mut file = self.rows.finish(entry, conservation, interrupted)?;
+            let mut known = Map::from_iter([("invariants".to_owned(), invariants(entry, conservation))]);
+            known.extend(interrupted.map(|steps| ("interrupted".to_owned(), steps.into())));
+            let mut file = self.rows.finish(&known)?;
             file.flush()?;
             Ok(file)
         };
-        match finish() {
-            Ok(file) => Ok((self.path, file)),
-            Err(source) => Err(failure(&self.path, source)),
-        }
+        let file = finish().map_err(|source| failure(&self.path, source))?;
+        Ok((self.path, file))
     }
 }
 
 /// That nobody reads the standard output is no error.
 fn failure(path: &Path, source: io::Error) -> Error {
     if super::is_stdout(path) { Error::Console(source) } else { FileError::write(path, source).into() }
-}
-
-impl std::fmt::Debug for TrajectoryWriter {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("TrajectoryWriter").field("path", &self.path).finish_non_exhaustive()
-    }
 }
 
 /// A header and numbers.
@@ -119,7 +108,7 @@ impl Rows for Csv {
         write_row(&mut self.0, row)
     }
 
-    fn finish(self: Box<Self>, _: &Entry, _: &ConservationReport, _: Option<u64>) -> io::Result<NewFile> {
+    fn finish(self: Box<Self>, _: &Map<String, Value>) -> io::Result<NewFile> {
         Ok(self.0)
     }
 }

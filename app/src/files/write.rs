@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 use tempfile::NamedTempFile;
 
 use super::path::{followed, is_special, is_stdout};
-use crate::error::{FileError, FileProblem};
+use crate::error::FileError;
 use crate::page::Page;
 use crate::picture::{Figure, Kind};
 
@@ -111,21 +111,23 @@ impl Write for NewFile {
     }
 }
 
+impl Sink {
+    fn writer(&mut self) -> &mut dyn Write {
+        match self {
+            Sink::Temporary(file) => file,
+            Sink::Special(file) => file,
+            Sink::Stdout(stdout) => stdout,
+        }
+    }
+}
+
 impl Write for Sink {
     fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
-        match self {
-            Sink::Temporary(file) => file.write(buffer),
-            Sink::Special(file) => file.write(buffer),
-            Sink::Stdout(stdout) => stdout.write(buffer),
-        }
+        self.writer().write(buffer)
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        match self {
-            Sink::Temporary(file) => file.flush(),
-            Sink::Special(file) => file.flush(),
-            Sink::Stdout(stdout) => stdout.flush(),
-        }
+        self.writer().flush()
     }
 }
 
@@ -144,7 +146,7 @@ pub fn check_new(path: &Path, force: bool) -> Result<(), FileError> {
     if force || is_stdout(path) || !path.is_file() {
         return Ok(());
     }
-    Err(FileError { path: path.to_owned(), source: FileProblem::Taken("would be lost".to_owned()) })
+    Err(FileError::Taken(path.to_owned(), "would be lost".to_owned()))
 }
 
 /// Writes a file, whole or not at all, that replaces nothing unless it may.

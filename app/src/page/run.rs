@@ -4,8 +4,7 @@ use coadjoint::system::{Quantity, Role};
 
 use super::format::{Detail, DetailValue, FORMAT, Page, Plot, Run, Scale, Series, Space};
 use crate::catalogue::plotted::PlottedQuantity;
-use crate::catalogue::quantities::rotation;
-use crate::catalogue::{ControlLaw, Entry, casimir};
+use crate::catalogue::{ControlLaw, Entry, casimir, unit};
 use crate::record::{PageRecorder, PageSamples};
 use crate::scene::{self, Frames, rounded};
 
@@ -58,7 +57,7 @@ fn details(entry: &Entry, heading: &PageHeading<'_>) -> Vec<Detail> {
             [one] => DetailValue::Number(*one),
             several => DetailValue::Numbers(several.to_vec()),
         };
-        details.push(detail(quantity.name, value, entry.unit(quantity.name)));
+        details.push(detail(quantity.name, value, unit(quantity)));
     }
     details.push(detail("scheme", DetailValue::Text(heading.title.clone()), ""));
     details.push(detail("step", DetailValue::Number(heading.step), "s"));
@@ -82,16 +81,19 @@ struct Plots<'a> {
 impl Plots<'_> {
     /// Draws each quantity, and the errors of what is conserved.
     fn all(&self) -> Vec<Plot> {
-        let quantities = self.entry.plotted.laid_out();
-        let mut plots: Vec<Plot> =
-            quantities.flat_map(|(quantity, slots)| self.plots_of(quantity, slots.start)).collect();
+        let quantities = self.entry.plotted.all();
+        let mut plots: Vec<Plot> = quantities.iter().flat_map(|quantity| self.plots_of(quantity)).collect();
         plots.extend(self.errors());
         plots
     }
 
-    /// Draws a quantity whose numbers begin here.
-    fn plots_of(&self, quantity: &PlottedQuantity, start: usize) -> Vec<Plot> {
-        let names: Vec<String> = component_names(self.entry, quantity);
+    /// Draws a quantity.
+    fn plots_of(&self, quantity: &PlottedQuantity) -> Vec<Plot> {
+        let start = quantity.slots.start;
+        let names: Vec<String> = match &quantity.components[..] {
+            [_] => vec![String::new()],
+            names => names.iter().map(|name| name.replace('_', " ")).collect(),
+        };
         let series = |places: &[usize]| -> Vec<Series> {
             places.iter().map(|&k| self.series(&names[k], |state| state[start + k])).collect()
         };
@@ -104,7 +106,6 @@ impl Plots<'_> {
             ..Plot::default()
         };
         let all: Vec<usize> = (0..names.len()).collect();
-        let unit = self.entry.unit(&quantity.name);
         match quantity.rotation {
             2 if names.len() == 2 => {
                 let part = if quantity.name.contains("angle") { "" } else { "angle" };
@@ -115,12 +116,12 @@ impl Plots<'_> {
                     2 => plot("angle", "rad", vec![self.angle(start)]),
                     _ => plot("rotation", "", series(&all[..count])),
                 };
-                let unit = if unit.is_empty() { "m" } else { unit };
-                let moving = (count < all.len()).then(|| plot("position", unit, series(&all[count..])));
+                let moving = (count < all.len())
+                    .then(|| plot("position", quantity.units[count], series(&all[count..])));
                 std::iter::once(turning).chain(moving).collect()
             }
             0 => {
-                let parts = self.by_unit(quantity);
+                let parts = by_unit(quantity);
                 let one = |(unit, places): &(&str, Vec<usize>)| {
                     let part = if parts.len() == 1 { String::new() } else { common(&names, places) };
                     plot(&part, unit, series(places))
@@ -128,19 +129,6 @@ impl Plots<'_> {
                 parts.iter().map(one).collect()
             }
         }
-    }
-
-    /// Units, and the components that have them.
-    fn by_unit(&self, quantity: &PlottedQuantity) -> Vec<(&'static str, Vec<usize>)> {
-        let mut parts: Vec<(&str, Vec<usize>)> = Vec::new();
-        for (k, component) in quantity.components.iter().enumerate() {
-            let unit = self.entry.unit(&quantity.component_name(component));
-            match parts.iter_mut().find(|(known, _)| *known == unit) {
-                Some((_, places)) => places.push(k),
-                None => parts.push((unit, vec![k])),
-            }
-        }
-        parts
     }
 
     fn series(&self, name: &str, of: impl Fn(&[f64]) -> f64) -> Series {
@@ -170,7 +158,7 @@ impl Plots<'_> {
             series: vec![Series { values, colour: Some(colour.to_owned()), ..Series::default() }],
         };
         let errors = |of: &dyn Fn(usize) -> f64| (0..kept.len()).map(|k| rounded(of(k) - of(0))).collect();
-        let unit = self.entry.unit("energy");
+        let unit = self.entry.energy_unit;
         let mut plots = vec![if self.entry.conserves_energy() {
             plot("error of energy".to_owned(), unit, Scale::Log, "c6", errors(&|k| kept[k].energy))
         } else {
@@ -185,6 +173,18 @@ impl Plots<'_> {
     }
 }
 
+/// Lists units, and the components that have them.
+fn by_unit(quantity: &PlottedQuantity) -> Vec<(&'static str, Vec<usize>)> {
+    let mut parts: Vec<(&str, Vec<usize>)> = Vec::new();
+    for (k, unit) in quantity.units.iter().enumerate() {
+        match parts.iter_mut().find(|(known, _)| known == unit) {
+            Some((_, places)) => places.push(k),
+            None => parts.push((unit, vec![k])),
+        }
+    }
+    parts
+}
+
 /// Finds the common beginning of some components' names, or joins them: `v` of `v1` and `v2`.
 fn common(names: &[String], places: &[usize]) -> String {
     let names: Vec<&str> = places.iter().filter_map(|&k| names.get(k).map(String::as_str)).collect();
@@ -196,21 +196,41 @@ fn common(names: &[String], places: &[usize]) -> String {
     if names.iter().all(|name| begin(name) == first) { first } else { names.join(" ") }
 }
 
-/// Names a quantity's components; those of the momentum of a rigid motion by its two parts.
-fn component_names(entry: &Entry, quantity: &PlottedQuantity) -> Vec<String> {
-    if quantity.components.len() == 1 {
-        return vec![String::new()];
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::Sample;
+    use crate::test_systems::catalogue;
+
+    #[test]
+    fn plots_arrows_and_parameters_have_the_units_of_the_description() {
+        let shown = |name: &str| {
+            let entry = catalogue().system(name).expect("it is there");
+            let mut recorder = PageRecorder::new(entry, 0);
+            let (index, state) = (0, &entry.example.state);
+            recorder.push(&Sample {
+                index,
+                time: 0.0,
+                state,
+                energy: 1.0,
+                casimirs: &[0.0; 2],
+                snapshot: &Vec::new,
+            });
+            let (title, parameters) = (String::new(), &entry.example.parameters[..]);
+            let heading = PageHeading { title, parameters, step: 0.1, steps: 0, law: None };
+            let Page { details, runs, .. } = page(&recorder, entry, &heading);
+            let Run { plots, arrows, .. } = runs.into_iter().next().expect("one run");
+            let details = details.into_iter().map(|detail| detail.unit).take(3);
+            let plots = plots.into_iter().map(|plot| plot.unit);
+            let arrows = arrows.into_iter().map(|arrow| arrow.unit);
+            [details.collect::<Vec<_>>(), plots.collect(), arrows.collect()]
+        };
+        let [details, plots, arrows] = shown("heavy_top");
+        assert_eq!(details, ["kg m²", "N", "m"]);
+        assert_eq!(plots, ["", "kg m²/s", "", "J", "", "kg m²/s"]);
+        assert_eq!(arrows, ["kg m²/s", ""]);
+        let [_, plots, arrows] = shown("rigid_body_in_space");
+        assert_eq!(plots[..4], ["", "m", "kg m²/s", "kg m/s"]);
+        assert_eq!(arrows, ["kg m²/s", "kg m/s"]);
     }
-    let before = entry.description.state.iter().take_while(|other| other.name != quantity.name);
-    let configuration = before.filter(|other| other.role == Role::Configuration).last();
-    let rigid = configuration.and_then(|other| {
-        let (count, _) = rotation(other).filter(|(count, _)| *count < other.components.len())?;
-        (quantity.role == Role::Momentum).then_some(count)
-    });
-    let names: &[&str] = match (rigid, quantity.components.len()) {
-        (Some(4), 6) => &["angular x", "angular y", "angular z", "linear x", "linear y", "linear z"],
-        (Some(2), 3) => &["angular", "linear x", "linear y"],
-        _ => return quantity.components.clone(),
-    };
-    names.iter().map(|&name| name.to_owned()).collect()
 }

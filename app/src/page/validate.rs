@@ -48,71 +48,64 @@ impl Page {
             return wrong("format", format!("expected \"{FORMAT}\", got {:?}", self.format));
         }
         moments("time", &self.time)?;
-        few("runs", self.runs.len())?;
-        for number in self.space.ground.iter().chain(self.space.look.iter().flatten()) {
-            finite("space", *number)?;
-        }
-        for (k, run) in self.runs.iter_mut().enumerate() {
-            let place = format!("runs[{k}]");
+        vector("space", self.space.ground.iter().chain(self.space.look.iter().flatten()))?;
+        each("runs", &mut self.runs, |place, run| {
             if run.time.is_empty() && self.time.is_empty() {
-                return wrong(&place, "has no moments: give `time`, here or for all runs");
+                return wrong(place, "has no moments: give `time`, here or for all runs");
             }
             let count = if run.time.is_empty() { self.time.len() } else { run.time.len() };
-            check_run(&place, run, count)?;
-        }
-        Ok(())
+            check_run(place, run, count)
+        })
     }
+}
+
+/// Checks each of some things, of which there are few.
+fn each<T>(
+    place: &str,
+    things: &mut [T],
+    mut check: impl FnMut(&str, &mut T) -> Result<(), PageError>,
+) -> Result<(), PageError> {
+    if things.len() > MOST_THINGS {
+        return wrong(place, format!("has {} entries; at most {MOST_THINGS} can be shown", things.len()));
+    }
+    things.iter_mut().enumerate().try_for_each(|(k, thing)| check(&format!("{place}[{k}]"), thing))
 }
 
 fn check_run(place: &str, run: &mut Run, moment_count: usize) -> Result<(), PageError> {
     moments(&format!("{place}.time"), &run.time)?;
-    for (name, count) in [
-        ("bodies", run.bodies.len()),
-        ("arrows", run.arrows.len()),
-        ("links", run.links.len()),
-        ("plots", run.plots.len()),
-    ] {
-        few(&format!("{place}.{name}"), count)?;
-    }
     for (name, number) in [("turn", run.turn), ("rate", run.rate)] {
         if number.is_some_and(|number| !(number.is_finite() && number >= 0.0)) {
             return wrong(&format!("{place}.{name}"), "must be finite and not negative");
         }
     }
     let bodies = run.bodies.len();
-    for (k, body) in run.bodies.iter_mut().enumerate() {
-        check_body(&format!("{place}.bodies[{k}]"), body, moment_count)?;
-    }
-    for (k, arrow) in run.arrows.iter_mut().enumerate() {
-        let place = format!("{place}.arrows[{k}]");
-        known(&place, arrow.body, bodies)?;
-        colour(&place, arrow.colour.as_deref())?;
+    each(&format!("{place}.bodies"), &mut run.bodies, |place, body| check_body(place, body, moment_count))?;
+    each(&format!("{place}.arrows"), &mut run.arrows, |place, arrow| {
+        known(place, arrow.body, bodies)?;
+        colour(place, arrow.colour.as_deref())?;
         vector(&format!("{place}.from"), arrow.from.iter().flatten())?;
         if arrow.frame == Frame::Body && arrow.body.is_none() {
             return wrong(&format!("{place}.frame"), "is that of a body; say which by `body`");
         }
-        match &mut arrow.vector {
-            Some(track) => check_track::<3>(&format!("{place}.vector"), track, moment_count)?,
-            None => return wrong(&format!("{place}.vector"), "is missing"),
+        match &arrow.vector {
+            Some(track) => check_track::<3>(&format!("{place}.vector"), track, moment_count),
+            None => wrong(&format!("{place}.vector"), "is missing"),
         }
-    }
-    for (k, link) in run.links.iter().enumerate() {
-        for (name, end) in [("from", &link.from), ("to", &link.to)] {
-            let place = format!("{place}.links[{k}].{name}");
+    })?;
+    each(&format!("{place}.links"), &mut run.links, |place, link| {
+        [("from", &link.from), ("to", &link.to)].into_iter().try_for_each(|(name, end)| {
+            let place = format!("{place}.{name}");
             known(&place, end.body, bodies)?;
-            vector(&place, &end.at)?;
-        }
-    }
-    for (k, plot) in run.plots.iter().enumerate() {
-        few(&format!("{place}.plots[{k}].series"), plot.series.len())?;
-        for (j, series) in plot.series.iter().enumerate() {
-            let place = format!("{place}.plots[{k}].series[{j}]");
-            colour(&place, series.colour.as_deref())?;
+            vector(&place, &end.at)
+        })
+    })?;
+    each(&format!("{place}.plots"), &mut run.plots, |place, plot| {
+        each(&format!("{place}.series"), &mut plot.series, |place, series| {
+            colour(place, series.colour.as_deref())?;
             as_many(&format!("{place}.values"), series.values.len(), moment_count)?;
-            vector(&format!("{place}.values"), &series.values)?;
-        }
-    }
-    Ok(())
+            vector(&format!("{place}.values"), &series.values)
+        })
+    })
 }
 
 fn check_body(place: &str, body: &mut Body<Track>, moment_count: usize) -> Result<(), PageError> {
@@ -122,14 +115,13 @@ fn check_body(place: &str, body: &mut Body<Track>, moment_count: usize) -> Resul
         check_track::<4>(&place, rotation, moment_count)?;
         match rotation {
             Track::Constant(one) => normalise(&place, one)?,
-            Track::Path(path) => {
-                for (k, quaternion) in path.iter_mut().enumerate() {
-                    normalise(&format!("{place}[{k}]"), quaternion)?;
-                }
-            }
+            Track::Path(path) => path
+                .iter_mut()
+                .enumerate()
+                .try_for_each(|(k, quaternion)| normalise(&format!("{place}[{k}]"), quaternion))?,
         }
     }
-    if let Some(position) = &mut body.position {
+    if let Some(position) = &body.position {
         check_track::<3>(&format!("{place}.position"), position, moment_count)?;
     }
     if let Some(solid) = &mut body.shape {
@@ -159,7 +151,7 @@ fn moments(place: &str, time: &[f64]) -> Result<(), PageError> {
     }
 }
 
-fn check_track<const N: usize>(place: &str, track: &mut Track, moment_count: usize) -> Result<(), PageError> {
+fn check_track<const N: usize>(place: &str, track: &Track, moment_count: usize) -> Result<(), PageError> {
     let check = |place: &str, v: &[f64]| {
         if v.len() != N {
             return wrong(place, format!("expected {N} numbers, got {}", v.len()));
@@ -187,12 +179,11 @@ fn normalise(place: &str, quaternion: &mut [f64]) -> Result<(), PageError> {
     Ok(())
 }
 
-fn finite(place: &str, number: f64) -> Result<(), PageError> {
-    if number.is_finite() { Ok(()) } else { wrong(place, format!("{number} is not finite")) }
-}
-
 fn vector<'a>(place: &str, numbers: impl IntoIterator<Item = &'a f64>) -> Result<(), PageError> {
-    numbers.into_iter().try_for_each(|number| finite(place, *number))
+    match numbers.into_iter().find(|number| !number.is_finite()) {
+        Some(number) => wrong(place, format!("{number} is not finite")),
+        None => Ok(()),
+    }
 }
 
 fn as_many(place: &str, count: usize, moment_count: usize) -> Result<(), PageError> {
@@ -200,14 +191,6 @@ fn as_many(place: &str, count: usize, moment_count: usize) -> Result<(), PageErr
         return Ok(());
     }
     wrong(place, format!("has {count} entries for {moment_count} moments"))
-}
-
-fn few(place: &str, count: usize) -> Result<(), PageError> {
-    if count <= MOST_THINGS {
-        Ok(())
-    } else {
-        wrong(place, format!("has {count} entries; at most {MOST_THINGS} can be shown"))
-    }
 }
 
 fn known(place: &str, body: Option<usize>, bodies: usize) -> Result<(), PageError> {

@@ -2,46 +2,55 @@
 
 use super::scene::Point;
 
-/// The rectangle that series are drawn in.
+/// A rectangle: that series are drawn in, or around a text.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     pub(super) left: f64,
+    pub(super) right: f64,
     pub(super) top: f64,
-    pub(super) width: f64,
-    pub(super) height: f64,
+    pub(super) bottom: f64,
 }
 
+/// Points this far outside are on the edge.
+pub(super) const ROUNDOFF: f64 = 1e-6;
+
 impl Frame {
-    pub(super) fn right(&self) -> f64 {
-        self.left + self.width
+    pub(super) fn width(&self) -> f64 {
+        self.right - self.left
     }
 
-    pub(super) fn bottom(&self) -> f64 {
-        self.top + self.height
+    pub(super) fn height(&self) -> f64 {
+        self.bottom - self.top
     }
 
-    /// Whether it is within, up to roundoff.
     pub(super) fn holds(&self, (x, y): Point) -> bool {
-        const ROUNDOFF: f64 = 1e-6;
-        (self.left - ROUNDOFF..=self.right() + ROUNDOFF).contains(&x)
-            && (self.top - ROUNDOFF..=self.bottom() + ROUNDOFF).contains(&y)
+        (self.left..=self.right).contains(&x) && (self.top..=self.bottom).contains(&y)
+    }
+
+    pub(super) fn meets(&self, other: &Self) -> bool {
+        self.left < other.right
+            && other.left < self.right
+            && self.top < other.bottom
+            && other.top < self.bottom
+    }
+
+    pub(super) fn grown(&self, by: f64) -> Self {
+        Self { left: self.left - by, right: self.right + by, top: self.top - by, bottom: self.bottom + by }
     }
 
     /// The point itself, or the one on the edge that is nearest.
     pub(super) fn nearest(&self, (x, y): Point) -> Point {
-        (x.clamp(self.left, self.right()), y.clamp(self.top, self.bottom()))
+        (x.clamp(self.left, self.right), y.clamp(self.top, self.bottom))
     }
 
     /// From where to where the segment is within, as parts of it.
     fn part(&self, from: Point, to: Point) -> Option<(f64, f64)> {
         let (mut start, mut end) = (0.0_f64, 1.0_f64);
-        let sides = [
-            (from.0, to.0 - from.0, self.left, self.right()),
-            (from.1, to.1 - from.1, self.top, self.bottom()),
-        ];
+        let sides =
+            [(from.0, to.0 - from.0, self.left, self.right), (from.1, to.1 - from.1, self.top, self.bottom)];
         for (at, change, low, high) in sides {
             if change == 0.0 {
-                if !(low - 1e-6..=high + 1e-6).contains(&at) {
+                if !(low - ROUNDOFF..=high + ROUNDOFF).contains(&at) {
                     return None;
                 }
                 continue;
@@ -79,7 +88,7 @@ pub(super) fn clipped(points: &[Point], frame: &Frame) -> Vec<Vec<Point>> {
 mod tests {
     use super::*;
 
-    const FRAME: Frame = Frame { left: 0.0, top: 0.0, width: 10.0, height: 10.0 };
+    const FRAME: Frame = Frame { left: 0.0, right: 10.0, top: 0.0, bottom: 10.0 };
 
     #[test]
     fn lines_end_at_the_edge() {

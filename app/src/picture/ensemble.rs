@@ -4,6 +4,7 @@ use coadjoint::ensemble::Spread;
 
 use super::{Axis, Color, Figure, Key, Panel, Series};
 use crate::catalogue::Entry;
+use crate::catalogue::quantities::components;
 use crate::simulate::ensemble::{EnsembleSpec, EnsembleSummary, Observable};
 use crate::units::{grouped, with_unit};
 
@@ -20,7 +21,8 @@ pub(crate) fn figure(
     spread: &[String],
 ) -> Figure {
     const TIME: &str = "time, s";
-    let panel = |((name, _), spreads): (&(String, Observable), &Vec<Spread>)| {
+    let units: Vec<&str> = components(entry.description.state).map(|component| component.unit).collect();
+    let panel = |((name, observable), spreads): (&(String, Observable), &Vec<Spread>)| {
         let edge = |k: usize| {
             let points = spreads.iter().filter(|spread| spread.members > 0);
             points.map(|spread| (spread.time, spread.quantiles[k])).collect::<Vec<_>>()
@@ -28,7 +30,11 @@ pub(crate) fn figure(
         let bands = BANDS
             .map(|(low, high, label, opacity)| Series::band(label, Color::X, opacity, edge(low), edge(high)));
         let series = bands.into_iter().chain([Series::line("median", Color::X, edge(3))]).collect();
-        let label = with_unit(&name.replace('_', " "), entry.unit(name));
+        let unit = match *observable {
+            Observable::Energy => entry.energy_unit,
+            Observable::State(slot) => units[slot],
+        };
+        let label = with_unit(&name.replace('_', " "), unit);
         Panel::new(Axis::linear(TIME), Axis::linear(label), series)
     };
     let panels: Vec<Panel> = named.iter().zip(&summary.spreads).map(panel).collect();

@@ -1,44 +1,13 @@
 //! Names at the lines themselves, where they cover little; a thin line leads to those that are not close.
 
 use super::Series;
-use super::clip::{Frame, clipped};
+use super::clip::{Frame, ROUNDOFF, clipped};
 use super::font;
 use super::scene::{Anchor, Point, Scene, Shape, Text};
 
-/// A box around a text.
-#[derive(Clone, Copy)]
-struct Area {
-    left: f64,
-    right: f64,
-    top: f64,
-    bottom: f64,
-}
-
-impl Area {
-    fn holds(&self, (x, y): Point) -> bool {
-        (self.left..=self.right).contains(&x) && (self.top..=self.bottom).contains(&y)
-    }
-
-    fn meets(&self, other: &Area) -> bool {
-        self.left < other.right
-            && other.left < self.right
-            && self.top < other.bottom
-            && other.top < self.bottom
-    }
-
-    fn grown(&self, by: f64) -> Self {
-        Self { left: self.left - by, right: self.right + by, top: self.top - by, bottom: self.bottom + by }
-    }
-
-    /// Its point that is nearest to another.
-    fn nearest(&self, (x, y): Point) -> Point {
-        (x.clamp(self.left, self.right), y.clamp(self.top, self.bottom))
-    }
-}
-
 /// A name with the point that it belongs to.
 struct Candidate {
-    area: Area,
+    area: Frame,
     point: Point,
 }
 
@@ -60,14 +29,14 @@ const CLOSE: f64 = 13.0;
 /// Writes each series' name in its colour near one of its points: where the fewest others are.
 pub(super) fn place(scene: &mut Scene, frame: &Frame, lines: &[(&Series, Vec<Point>)], size: f64) {
     let dense: Vec<Vec<Point>> = lines.iter().map(|(_, points)| dense(points, frame)).collect();
-    let mut taken: Vec<Area> = Vec::new();
+    let mut taken: Vec<Frame> = Vec::new();
     for (i, (series, points)) in lines.iter().enumerate() {
         if series.label.is_empty() {
             continue;
         }
         let width = font::width(&series.label, size);
         let mut best: Option<(f64, Candidate)> = None;
-        for point in points.iter().copied().filter(|point| frame.holds(*point)) {
+        for point in points.iter().copied().filter(|point| frame.grown(ROUNDOFF).holds(*point)) {
             for area in around(point, width, size) {
                 let candidate = Candidate { area, point };
                 let cost = cost(&candidate, i, &dense, &taken, frame);
@@ -96,16 +65,15 @@ pub(super) fn place(scene: &mut Scene, frame: &Frame, lines: &[(&Series, Vec<Poi
 
 /// How bad a place is: what it covers, what is so near that it could be meant, how far it is, and what its leader
 /// crosses.
-fn cost(candidate: &Candidate, own: usize, dense: &[Vec<Point>], taken: &[Area], frame: &Frame) -> f64 {
+fn cost(candidate: &Candidate, own: usize, dense: &[Vec<Point>], taken: &[Frame], frame: &Frame) -> f64 {
     let Candidate { area, .. } = candidate;
-    let inner =
-        Area { left: frame.left, right: frame.right(), top: frame.top, bottom: frame.bottom() }.grown(-3.0);
+    let inner = frame.grown(-3.0);
     if !inner.holds((area.left, area.top)) || !inner.holds((area.right, area.bottom)) {
         return f64::INFINITY;
     }
     let near = area.grown(12.0);
     let count =
-        |points: &[Point], area: &Area| points.iter().filter(|point| area.holds(**point)).count() as f64;
+        |points: &[Point], area: &Frame| points.iter().filter(|point| area.holds(**point)).count() as f64;
     let covered: f64 = dense.iter().map(|points| 3.0 * count(points, area)).sum();
     let others = dense.iter().enumerate().filter(|(k, _)| *k != own);
     let misleading: f64 = others.map(|(_, points)| count(points, &near)).sum();
@@ -116,7 +84,7 @@ fn cost(candidate: &Candidate, own: usize, dense: &[Vec<Point>], taken: &[Area],
         .map(|k| {
             let part = k as f64 * 5.0 / distance;
             let (x, y) = (x + part * (to_x - x), y + part * (to_y - y));
-            let here = Area { left: x, right: x, top: y, bottom: y }.grown(3.0);
+            let here = Frame { left: x, right: x, top: y, bottom: y }.grown(3.0);
             let others = dense.iter().enumerate().filter(|(k, _)| *k != own);
             others.map(|(_, points)| count(points, &here)).sum::<f64>()
         })
@@ -125,10 +93,10 @@ fn cost(candidate: &Candidate, own: usize, dense: &[Vec<Point>], taken: &[Area],
 }
 
 /// Boxes around a point, near and far, in eight directions.
-fn around((x, y): Point, width: f64, size: f64) -> impl Iterator<Item = Area> {
+fn around((x, y): Point, width: f64, size: f64) -> impl Iterator<Item = Frame> {
     let half = 0.65 * size;
     [8.0, 30.0, 60.0, 95.0].into_iter().flat_map(move |apart| {
-        let area = move |left: f64, middle: f64| Area {
+        let area = move |left: f64, middle: f64| Frame {
             left,
             right: left + width,
             top: middle - half,

@@ -1,7 +1,7 @@
 //! Where everything of a picture is: frames, axes, keys and series.
 
 use super::axis::{Placement, Tick};
-use super::clip::{Frame, clipped};
+use super::clip::{Frame, ROUNDOFF, clipped};
 use super::font;
 use super::labels;
 use super::palette::Color;
@@ -76,7 +76,7 @@ pub(super) fn scene(figure: &Figure) -> Scene {
         let mut x = EDGE;
         for (column, (beside, panel)) in across.iter().zip(panels.by_ref()).enumerate() {
             x += beside.before;
-            let frame = Frame { left: x, top: y, width, height };
+            let frame = Frame { left: x, right: x + width, top: y, bottom: y + height };
             let lines = panel.draw(&mut scene, &frame, figure.key);
             if figure.key == Key::Lines && (row, column) == (0, 0) {
                 labels::place(&mut scene, &frame, &lines, SMALL);
@@ -161,12 +161,12 @@ impl Placed<'_> {
 
     /// The answer is where its series are.
     fn draw(&self, scene: &mut Scene, frame: &Frame, key: Key) -> Vec<(&Series, Vec<Point>)> {
-        let [across, up] = self.ticks((frame.width, frame.height));
+        let [across, up] = self.ticks((frame.width(), frame.height()));
         self.draw_grid(scene, frame, &across, &up);
         let place = |&(x, y): &Point| {
             (
-                frame.left + frame.width * self.horizontal.place(x),
-                frame.top + frame.height * (1.0 - self.vertical.place(y)),
+                frame.left + frame.width() * self.horizontal.place(x),
+                frame.top + frame.height() * (1.0 - self.vertical.place(y)),
             )
         };
         let lines: Vec<(&Series, Vec<Point>)> = self
@@ -180,9 +180,9 @@ impl Placed<'_> {
         }
         let corners = [
             (frame.left, frame.top),
-            (frame.right(), frame.top),
-            (frame.right(), frame.bottom()),
-            (frame.left, frame.bottom()),
+            (frame.right, frame.top),
+            (frame.right, frame.bottom),
+            (frame.left, frame.bottom),
             (frame.left, frame.top),
         ];
         scene.line(corners.to_vec(), Color::Ink, 1.0);
@@ -198,27 +198,27 @@ impl Placed<'_> {
 
     fn draw_grid(&self, scene: &mut Scene, frame: &Frame, across: &[Tick], up: &[Tick]) {
         for tick in across.iter().filter(|tick| tick.label.is_some()) {
-            let x = frame.left + frame.width * tick.at;
-            scene.line(vec![(x, frame.top), (x, frame.bottom())], Color::Grid, 1.0);
+            let x = frame.left + frame.width() * tick.at;
+            scene.line(vec![(x, frame.top), (x, frame.bottom)], Color::Grid, 1.0);
         }
         for tick in up.iter().filter(|tick| tick.label.is_some()) {
-            let y = frame.bottom() - frame.height * tick.at;
-            scene.line(vec![(frame.left, y), (frame.right(), y)], Color::Grid, 1.0);
+            let y = frame.bottom - frame.height() * tick.at;
+            scene.line(vec![(frame.left, y), (frame.right, y)], Color::Grid, 1.0);
         }
     }
 
     fn draw_axes(&self, scene: &mut Scene, frame: &Frame, across: &[Tick], up: &[Tick]) {
         let length = |tick: &Tick| if tick.label.is_some() { TICK.0 } else { TICK.1 };
         for tick in across {
-            let x = frame.left + frame.width * tick.at;
-            scene.line(vec![(x, frame.bottom()), (x, frame.bottom() - length(tick))], Color::Ink, 1.0);
+            let x = frame.left + frame.width() * tick.at;
+            scene.line(vec![(x, frame.bottom), (x, frame.bottom - length(tick))], Color::Ink, 1.0);
             if let (true, Some(label)) = (self.is_labelled.0, &tick.label) {
-                scene.text((x, frame.bottom() + GAP + 0.75 * SMALL), label, SMALL, Anchor::Middle);
+                scene.text((x, frame.bottom + GAP + 0.75 * SMALL), label, SMALL, Anchor::Middle);
             }
         }
         let mut widest = 0.0_f64;
         for tick in up {
-            let y = frame.bottom() - frame.height * tick.at;
+            let y = frame.bottom - frame.height() * tick.at;
             scene.line(vec![(frame.left, y), (frame.left + length(tick), y)], Color::Ink, 1.0);
             if let (true, Some(label)) = (self.is_labelled.1, &tick.label) {
                 scene.text((frame.left - GAP, y + 0.35 * SMALL), label, SMALL, Anchor::End);
@@ -227,13 +227,13 @@ impl Placed<'_> {
         }
         let Panel { x, y, .. } = self.panel;
         if self.is_labelled.0 && !x.label.is_empty() {
-            let at = (frame.left + 0.5 * frame.width, frame.bottom() + GAP + SMALL + LINE - 3.0);
+            let at = (frame.left + 0.5 * frame.width(), frame.bottom + GAP + SMALL + LINE - 3.0);
             scene.text(at, &x.label, LABEL, Anchor::Middle);
         }
         if self.is_labelled.1 && !y.label.is_empty() {
-            let at = (frame.left - widest - 2.0 * GAP, frame.top + 0.5 * frame.height);
+            let at = (frame.left - widest - 2.0 * GAP, frame.top + 0.5 * frame.height());
             // a long one would reach over the panels above and below
-            let size = LABEL * (frame.height / font::width(&y.label, LABEL)).min(1.0);
+            let size = LABEL * (frame.height() / font::width(&y.label, LABEL)).min(1.0);
             scene
                 .shapes
                 .push(Shape::Text(Text { upwards: true, ..text(at, &y.label, size, Anchor::Middle) }));
@@ -272,7 +272,7 @@ fn draw_series(scene: &mut Scene, frame: &Frame, series: &Series, points: &[Poin
                 }
             }
             if let Some(mark) = series.style.mark() {
-                let at = points.iter().copied().filter(|point| frame.holds(*point)).collect();
+                let at = points.iter().copied().filter(|point| frame.grown(ROUNDOFF).holds(*point)).collect();
                 scene.shapes.push(Shape::Marks { at, mark, color });
             }
         }
@@ -326,7 +326,7 @@ fn key_in_lines(scene: &mut Scene, series: &[&Series], mut y: f64) -> f64 {
 /// In one line, to the right above a frame.
 fn key_right(scene: &mut Scene, series: &[Series], frame: &Frame) {
     let all: Vec<&Series> = series.iter().collect();
-    let mut x = frame.right();
+    let mut x = frame.right;
     for series in named(&all).into_iter().rev() {
         scene.text((x, frame.top - GAP), &series.label, SMALL, Anchor::End);
         x -= font::width(&series.label, SMALL) + GAP + SAMPLE;

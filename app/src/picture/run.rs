@@ -13,11 +13,11 @@ pub(crate) fn figure(curves: &Curves, entry: &Entry, title: String) -> Figure {
     let mut state = curves.state.as_slice();
     for part in parts(entry) {
         let (own, others) = state.split_at(part.names().len().min(state.len()));
-        panels.extend(state_panels(&part, entry, own));
+        panels.extend(state_panels(&part, own));
         state = others;
     }
     let mut add = |axis: Axis, series| panels.push(Panel::new(Axis::linear(TIME), axis, series));
-    let energy = entry.unit("energy");
+    let energy = entry.energy_unit;
     if entry.conserves_energy() {
         let line = Series::line("", Color::X, curves.energy.upper());
         add(Axis::logarithmic(with_unit("energy error", energy)), vec![line]);
@@ -43,20 +43,20 @@ fn label(part: &Part<'_>) -> String {
 
 /// Tells the unit of a curve, and how many of it the recorded values' unit is: angles that go round many times are
 /// counted in turns.
-fn unit(part: &Part<'_>, entry: &Entry, name: &str, curve: &Envelope) -> (&'static str, f64) {
+fn unit(part: &Part<'_>, k: usize, curve: &Envelope) -> (&'static str, f64) {
     let (low, high) = curve.range();
     match part.kind {
-        PartKind::Vector => (entry.unit(&part.quantity.component_name(name)), 1.0),
+        PartKind::Vector => (part.units()[k], 1.0),
         _ if high - low > 720.0 => ("turns", 1.0 / 360.0),
         _ => ("degrees", 1.0),
     }
 }
 
 /// Draws panels with these curves, one for each unit.
-fn state_panels(part: &Part<'_>, entry: &Entry, curves: &[Envelope]) -> Vec<Panel> {
+fn state_panels(part: &Part<'_>, curves: &[Envelope]) -> Vec<Panel> {
     let mut panels: Vec<(&str, Vec<Series>)> = Vec::new();
     for (k, (name, curve)) in part.names().into_iter().zip(curves).enumerate() {
-        let (unit, scale) = unit(part, entry, name, curve);
+        let (unit, scale) = unit(part, k, curve);
         let mut series = series(curve, &name.replace('_', " "), Color::component(k), scale);
         if k >= Color::COMPONENTS {
             // its colour is taken
@@ -101,6 +101,31 @@ pub fn series(curve: &Envelope, label: &str, color: Color, unit: f64) -> Vec<Ser
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::record::Sample;
+    use crate::test_systems::catalogue;
+
+    #[test]
+    fn axes_have_the_units_of_the_description() {
+        let labels = |name: &str| {
+            let entry = catalogue().system(name).expect("it is there");
+            let mut curves = Curves::new(entry, (0.1, 2));
+            for index in 0..3 {
+                let (time, state) = (index as f64, &entry.example.state);
+                curves.push(
+                    entry,
+                    &Sample { index, time, state, energy: 1.0, casimirs: &[0.0; 2], snapshot: &Vec::new },
+                );
+            }
+            let panels = figure(&curves, entry, String::new()).panels;
+            panels.into_iter().map(|panel| panel.y.label).collect::<Vec<String>>()
+        };
+        let top = ["attitude, degrees", "momentum, kg m²/s", "gamma", "energy error, J"];
+        assert_eq!(labels("heavy_top")[..4], top);
+        assert_eq!(labels("heavy_top")[4..], ["|Γ|² error", "Π·Γ error, kg m²/s"]);
+        let body =
+            ["pose, rotation, degrees", "pose, translation, m", "momentum, kg m²/s", "momentum, kg m/s"];
+        assert_eq!(labels("rigid_body_in_space")[..4], body);
+    }
 
     #[test]
     fn extremes_survive_in_order() {
@@ -128,7 +153,6 @@ mod tests {
         for i in 0..3 {
             envelope.push(i, i as f64, -(i as f64));
         }
-        assert_eq!(envelope.upper(), [(0.0, 0.0), (1.0, -1.0), (2.0, -2.0)]);
         let [line] = &series(&envelope, "x", Color::X, 10.0)[..] else { panic!("a line") };
         assert_eq!(line.points, [(0.0, 0.0), (1.0, -10.0), (2.0, -20.0)]);
     }

@@ -108,29 +108,21 @@ fn write_text(
         Anchor::Middle => "middle",
         Anchor::End => "end",
     };
-    let place = |to: &mut String| match upwards {
-        true => write!(to, " transform=\"translate({x:.1} {y:.1}) rotate(-90)\""),
-        false => write!(to, " x=\"{x:.1}\" y=\"{y:.1}\""),
+    let place = match upwards {
+        true => format!("transform=\"translate({x:.1} {y:.1}) rotate(-90)\""),
+        false => format!("x=\"{x:.1}\" y=\"{y:.1}\""),
     };
+    let (letters, text) = (format!("text-anchor=\"{anchor}\" font-size=\"{size}\""), escape(text));
     if *halo {
-        write!(to, "<text")?;
-        place(to)?;
         let paper = Color::Paper.hex()[0];
         write!(
             to,
-            " class=\"halo\" text-anchor=\"{anchor}\" font-size=\"{size}\" fill=\"none\" stroke=\"{paper}\" stroke-width=\"{HALO}\" \
-             stroke-linejoin=\"round\" aria-hidden=\"true\">{}</text>",
-            escape(text)
+            "<text {place} class=\"halo\" {letters} fill=\"none\" stroke=\"{paper}\" stroke-width=\"{HALO}\" \
+             stroke-linejoin=\"round\" aria-hidden=\"true\">{text}</text>"
         )?;
     }
-    write!(to, "<text class=\"{}\"", class(*color, "fill"))?;
-    place(to)?;
-    writeln!(
-        to,
-        " text-anchor=\"{anchor}\" font-size=\"{size}\" fill=\"{}\">{}</text>",
-        color.hex()[0],
-        escape(text)
-    )
+    let (class, fill) = (class(*color, "fill"), color.hex()[0]);
+    writeln!(to, "<text class=\"{class}\" {place} {letters} fill=\"{fill}\">{text}</text>")
 }
 
 fn escape(text: &str) -> String {

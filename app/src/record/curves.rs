@@ -48,7 +48,8 @@ pub(crate) enum PartKind {
 
 /// Lists the parts of a system's state.
 pub(crate) fn parts(entry: &Entry) -> impl Iterator<Item = Part<'_>> {
-    entry.plotted.laid_out().flat_map(|(quantity, slots)| {
+    entry.plotted.all().iter().flat_map(|quantity| {
+        let slots = quantity.slots.clone();
         let middle = slots.start + quantity.rotation;
         let kind = if quantity.rotation == 4 { PartKind::Rotation } else { PartKind::PlaneRotation };
         let is_half = quantity.rotation > 0 && middle < slots.end;
@@ -69,6 +70,12 @@ impl Part<'_> {
                 components[components.len() - self.slots.len()..].iter().map(String::as_str).collect()
             }
         }
+    }
+
+    /// Lists the units of its components.
+    pub(crate) fn units(&self) -> &[&'static str] {
+        let units = &self.quantity.units;
+        &units[units.len() - self.slots.len()..]
     }
 
     /// Counts its curves.
@@ -148,11 +155,7 @@ impl Curves {
                 (PartKind::PlaneRotation, &[re, im]) => [im.atan2(re), 0.0, 0.0],
                 (PartKind::PlaneRotation, _) => [f64::NAN; 3],
             };
-            let now = match (part.kind, *angles) {
-                (_, None) => now,
-                (PartKind::Rotation, Some(before)) => continued(now, before),
-                (_, Some([before, ..])) => [now[0] + TAU * ((before - now[0]) / TAU).round(), 0.0, 0.0],
-            };
+            let now = angles.map_or(now, |before| continued(now, before));
             *angles = Some(now);
             for (curve, angle) in curves.by_ref().take(part.curves()).zip(now) {
                 curve.push(sample.index, sample.time, angle.to_degrees());

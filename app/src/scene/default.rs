@@ -94,7 +94,7 @@ fn momenta(configuration: &PlottedQuantity, momentum: &PlottedQuantity, frame: F
         (4, 3) => vec![Arrow { name: "angular momentum".to_owned(), ..angular }],
         (4, 6) => vec![
             Arrow { name: "angular momentum".to_owned(), ..angular },
-            Arrow { name: "linear momentum".to_owned(), unit: "kg m/s".to_owned(), ..linear(3, frame) },
+            Arrow { name: "linear momentum".to_owned(), ..linear(3, frame) },
         ],
         (0, 1..=3) => vec![Arrow { name: "momentum".to_owned(), ..linear(0, Frame::Space) }],
         _ => Vec::new(),

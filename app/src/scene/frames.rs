@@ -5,7 +5,7 @@ use coadjoint::system::Quantity;
 
 use super::{Arrow, Body, Frame, Scene, Source, Vector};
 use crate::catalogue::plotted::PlottedQuantity;
-use crate::catalogue::{ControlLaw, Entry};
+use crate::catalogue::{ControlLaw, Entry, unit as unit_of};
 use crate::record::RecordedSample;
 use serde::{Deserialize, Serialize};
 
@@ -46,8 +46,8 @@ impl<'a> Frames<'a> {
 
     /// Finds the components of a quantity in a state.
     fn quantity<'s>(&'s self, state: &'s [f64], name: &str) -> Option<(&'s PlottedQuantity, &'s [f64])> {
-        let (quantity, slots) = self.entry.plotted.find(name)?;
-        Some((quantity, state.get(slots)?))
+        let quantity = self.entry.plotted.find(name)?;
+        Some((quantity, state.get(quantity.slots.clone())?))
     }
 
     /// Places a body in a state; bodies are on others that come before them.
@@ -83,15 +83,15 @@ impl<'a> Frames<'a> {
     }
 
     /// Points a control of one number along a direction.
-    fn along(&self, name: &str, direction: &[f64; 3]) -> Option<Track> {
-        let (_, slots) = Quantity::with_ranges(self.entry.description.controls)
+    fn along(&self, name: &str, direction: &[f64; 3]) -> Option<(&'a Quantity, Track)> {
+        let (quantity, slots) = Quantity::with_ranges(self.entry.description.controls)
             .find(|(quantity, _)| quantity.name == name)?;
         let at = |controls: &Vec<f64>| {
             let size = controls.get(slots.start)?;
             Some(direction.map(|x| rounded(x * size)).to_vec())
         };
         let path = self.controls.iter().map(at).collect::<Option<Vec<_>>>()?;
-        (!path.is_empty()).then(|| track(path))
+        (!path.is_empty()).then(|| (quantity, track(path)))
     }
 
     /// Places a body at each sample.
@@ -124,7 +124,6 @@ impl<'a> Frames<'a> {
     /// Points an arrow at each sample; none where its vector is not known.
     pub(crate) fn arrow(&self, scene: &Scene, arrow: &Arrow) -> Option<Arrow<Option<Track>>> {
         let Arrow { name, symbol, unit, vector, frame, body, from, colour, .. } = arrow.clone();
-        let own = |name: &str| if unit.is_empty() { self.entry.unit(name).to_owned() } else { unit.clone() };
         let (vector, unit) = match vector {
             Vector::Constant(vector) => (Track::Constant(vector.to_vec()), unit),
             Vector::Quantity(name, first) => {
@@ -133,10 +132,13 @@ impl<'a> Frames<'a> {
                     let (quantity, numbers) = self.quantity(state, &name)?;
                     Some(place(quantity, numbers.get(first..)?).as_slice().to_vec())
                 };
-                (self.path(|state| part(state).unwrap_or_else(|| vec![0.0; 3])), own(&name))
+                let own = self.entry.plotted.find(&name).and_then(|quantity| quantity.units.get(first));
+                let unit = if unit.is_empty() { own.copied().unwrap_or_default().to_owned() } else { unit };
+                (self.path(|state| part(state).unwrap_or_else(|| vec![0.0; 3])), unit)
             }
             Vector::Control(name, direction) => {
-                (self.along(&name, &direction)?, self.entry.unit(&name).to_owned())
+                let (quantity, track) = self.along(&name, &direction)?;
+                (track, unit_of(quantity).to_owned())
             }
         };
         let solid = body.and_then(|body| scene.bodies.get(body)?.shape.as_ref());
@@ -161,7 +163,8 @@ fn states(entry: &Entry, samples: &[&RecordedSample]) -> Vec<Vec<f64>> {
     let mut states: Vec<Vec<f64>> = Vec::with_capacity(samples.len());
     for sample in samples {
         let mut state = entry.plotted.numbers(&sample.state).into_owned();
-        for (quantity, slots) in entry.plotted.laid_out() {
+        for quantity in entry.plotted.all() {
+            let slots = quantity.slots.clone();
             let is_read = quantity.is_of_a_matrix && quantity.rotation == 4 && slots.len() == 4;
             let Some(before) = states.last().filter(|_| is_read) else { continue };
             let product: f64 =

@@ -7,7 +7,8 @@ use super::names::{Names, Part, count, named, numbers};
 use super::rotation::normalize;
 use super::transport::moved;
 use super::{Setup, check};
-use crate::catalogue::{Entry, component_name};
+use crate::catalogue::Entry;
+use crate::catalogue::quantities::{Component, components};
 use crate::error::{RunError, SetupError};
 
 /// A system's example with some of its numbers changed.
@@ -40,7 +41,7 @@ impl<'e> Changes<'e> {
                 SetupError::new("set", assignment, reason)
             })?;
             let (name, value) = (name.trim(), value.trim());
-            self.assign(Names::All, name, &numbers(name, value)?)?;
+            self.assign(Names::ALL, name, &numbers(name, value)?)?;
         }
         Ok(())
     }
@@ -185,10 +186,7 @@ pub(crate) fn assignments(entry: &Entry, setup: &Setup) -> Vec<String> {
         assignments
             .extend(all.map(|(quantity, slots)| format!("{}={}", quantity.name, numbers(&values[slots]))));
     }
-    for (quantity, slots) in Quantity::with_ranges(description.controls) {
-        for (component, held) in quantity.components.iter().zip(&setup.controls[slots]) {
-            assignments.extend(held.map(|held| format!("{}={held:?}", component_name(quantity, component))));
-        }
-    }
+    let held = |(control, held): (Component, &Option<f64>)| Some(format!("{}={:?}", control.name, (*held)?));
+    assignments.extend(components(description.controls).zip(&setup.controls).filter_map(held));
     assignments
 }

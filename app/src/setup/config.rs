@@ -72,9 +72,9 @@ impl Config {
     /// If a name is unknown, or a value has another number of components than its quantity.
     pub(crate) fn apply(&self, path: &Path, changes: &mut Changes<'_>) -> Result<(), SetupError> {
         let tables = [
-            (Names::Parameters, "parameters", &self.parameters),
-            (Names::State, "state", &self.state),
-            (Names::Controls, "controls", &self.controls),
+            (Names::PARAMETERS, "parameters", &self.parameters),
+            (Names::STATE, "state", &self.state),
+            (Names::CONTROLS, "controls", &self.controls),
         ];
         for (which, section, table) in tables {
             for (name, value) in table {
@@ -166,46 +166,34 @@ fn write_example(text: &mut String, entry: &Entry) -> std::fmt::Result {
     ] {
         writeln!(text, "{setting:28} # {doc}")?;
     }
-    write_controls(text, entry)?;
+    let controls = vec![0.0; setup.controls.len()];
     for (section, quantities, values) in [
+        ("controls", entry.description.controls, &controls),
         ("parameters", entry.description.parameters, &setup.parameters),
         ("state", entry.description.state, &setup.state),
     ] {
-        if quantities.is_empty() {
-            continue;
+        // each control is a remark: unless it is set, the system's own law chooses it
+        let is_remark = section == "controls";
+        match is_remark {
+            _ if quantities.is_empty() => {}
+            true => {
+                writeln!(text, "\n# [controls] # to be held in place of what the system's own law chooses")?
+            }
+            false => writeln!(text, "\n[{section}]")?,
         }
-        writeln!(text, "\n[{section}]")?;
         for (quantity, slots) in Quantity::with_ranges(quantities) {
-            if !quantity.doc.is_empty() {
+            let (name, components) = (quantity.name, quantity.components);
+            if !quantity.doc.is_empty() && !is_remark {
                 writeln!(text, "# {}", quantity.doc)?;
             }
-            match &values[slots] {
-                [scalar] if quantity.components == [""] => writeln!(text, "{} = {scalar:?}", quantity.name)?,
-                components => {
-                    let list: Vec<String> = components.iter().map(|x| format!("{:?}", x + 0.0)).collect();
-                    writeln!(
-                        text,
-                        "{:28} # {}",
-                        format!("{} = [{}]", quantity.name, list.join(", ")),
-                        quantity.components.join(", ")
-                    )?;
-                }
+            let list: Vec<String> = values[slots].iter().map(|x| format!("{:?}", x + 0.0)).collect();
+            let (list, names) = (list.join(", "), components.join(", "));
+            match (is_remark, components == [""]) {
+                (true, true) => writeln!(text, "# {name} = {list}")?,
+                (true, false) => writeln!(text, "# {name} = [{list}] # {names}")?,
+                (false, true) => writeln!(text, "{name} = {list}")?,
+                (false, false) => writeln!(text, "{:28} # {names}", format!("{name} = [{list}]"))?,
             }
-        }
-    }
-    Ok(())
-}
-
-/// The controls, each as a remark: unless it is set, the system's own law chooses it.
-fn write_controls(text: &mut String, entry: &Entry) -> std::fmt::Result {
-    if !entry.description.controls.is_empty() {
-        writeln!(text, "\n# [controls] # to be held in place of what the system's own law chooses")?;
-    }
-    for (quantity, slots) in Quantity::with_ranges(entry.description.controls) {
-        let zeros = vec!["0.0"; slots.len()].join(", ");
-        match quantity.components {
-            [""] => writeln!(text, "# {} = {zeros}", quantity.name)?,
-            components => writeln!(text, "# {} = [{zeros}] # {}", quantity.name, components.join(", "))?,
         }
     }
     Ok(())

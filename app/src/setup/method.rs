@@ -1,5 +1,6 @@
 //! Methods by their names.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::str::FromStr;
 
@@ -37,87 +38,66 @@ pub enum Method {
     Classical(Classical),
 }
 
-/// A method that knows nothing of the structure: a Runge–Kutta method for the numbers of the state as they are stored,
-/// or RKMK4.
-///
-/// Those for stored numbers take the motion for a vector field on a vector space. Rotations drift off their group, but
-/// with the methods that keep quadratic invariants: nothing is projected.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Classical {
-    /// [`Tableau::explicit_euler`]
-    ExplicitEuler,
-    /// [`Tableau::rk2`]
-    Rk2,
-    /// [`Tableau::heun`]
-    Heun,
-    /// [`Tableau::ralston`]
-    Ralston,
-    /// [`Tableau::rk4`]
-    Rk4,
-    /// [`Tableau::three_eighths`]
-    ThreeEighths,
-    /// [`Tableau::implicit_euler`]
-    ImplicitEuler,
-    /// [`Tableau::implicit_midpoint`]
-    ImplicitMidpoint,
-    /// [`Tableau::gauss2`]
-    Gauss4,
-    /// [`Tableau::gauss3`]
-    Gauss6,
-    /// Runge, Kutta and Munthe-Kaas: RK4 in exponential coordinates about the start of each step.
-    Rkmk4,
+/// Declares classical methods: their names on the command line, and their coefficients.
+macro_rules! classical {
+    ($(#[$about:meta])* { $($(#[$doc:meta])* $method:ident, $name:literal, $tableau:ident;)* }) => {
+        $(#[$about])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[non_exhaustive]
+        pub enum Classical {
+            $($(#[$doc])* $method,)*
+        }
+
+        impl Classical {
+            /// All of them.
+            pub const ALL: [Classical; [$($name),*].len()] = [$(Classical::$method),*];
+
+            /// Its name on the command line and in file names.
+            pub fn name(self) -> &'static str {
+                match self { $(Classical::$method => $name,)* }
+            }
+
+            /// Builds its Runge–Kutta method: of RKMK4, that in exponential coordinates.
+            pub fn runge_kutta(self) -> RungeKutta {
+                match self { $(Classical::$method => Tableau::$tableau().into(),)* }
+            }
+        }
+    };
+}
+
+classical! {
+    /// A method that knows nothing of the structure: a Runge–Kutta method for the numbers of the state as they are
+    /// stored, or RKMK4.
+    ///
+    /// Those for stored numbers take the motion for a vector field on a vector space. Rotations drift off their group,
+    /// but with the methods that keep quadratic invariants: nothing is projected.
+    {
+        /// [`Tableau::explicit_euler`]
+        ExplicitEuler, "explicit-euler", explicit_euler;
+        /// [`Tableau::rk2`]
+        Rk2, "rk2", rk2;
+        /// [`Tableau::heun`]
+        Heun, "heun", heun;
+        /// [`Tableau::ralston`]
+        Ralston, "ralston", ralston;
+        /// [`Tableau::rk4`]
+        Rk4, "rk4", rk4;
+        /// [`Tableau::three_eighths`]
+        ThreeEighths, "three-eighths", three_eighths;
+        /// [`Tableau::implicit_euler`]
+        ImplicitEuler, "implicit-euler", implicit_euler;
+        /// [`Tableau::implicit_midpoint`]
+        ImplicitMidpoint, "implicit-midpoint", implicit_midpoint;
+        /// [`Tableau::gauss2`]
+        Gauss4, "gauss4", gauss2;
+        /// [`Tableau::gauss3`]
+        Gauss6, "gauss6", gauss3;
+        /// Runge, Kutta and Munthe-Kaas: RK4 in exponential coordinates about the start of each step.
+        Rkmk4, "rkmk4", rk4;
+    }
 }
 
 impl Classical {
-    /// All of them.
-    pub const ALL: [Classical; 11] = [
-        Classical::ExplicitEuler,
-        Classical::Rk2,
-        Classical::Heun,
-        Classical::Ralston,
-        Classical::Rk4,
-        Classical::ThreeEighths,
-        Classical::ImplicitEuler,
-        Classical::ImplicitMidpoint,
-        Classical::Gauss4,
-        Classical::Gauss6,
-        Classical::Rkmk4,
-    ];
-
-    /// Its name on the command line and in file names.
-    pub fn name(self) -> &'static str {
-        match self {
-            Classical::ExplicitEuler => "explicit-euler",
-            Classical::Rk2 => "rk2",
-            Classical::Heun => "heun",
-            Classical::Ralston => "ralston",
-            Classical::Rk4 => "rk4",
-            Classical::ThreeEighths => "three-eighths",
-            Classical::ImplicitEuler => "implicit-euler",
-            Classical::ImplicitMidpoint => "implicit-midpoint",
-            Classical::Gauss4 => "gauss4",
-            Classical::Gauss6 => "gauss6",
-            Classical::Rkmk4 => "rkmk4",
-        }
-    }
-
-    /// Builds its Runge–Kutta method: of RKMK4, that in exponential coordinates.
-    pub fn runge_kutta(self) -> RungeKutta {
-        match self {
-            Classical::ExplicitEuler => Tableau::explicit_euler().into(),
-            Classical::Rk2 => Tableau::rk2().into(),
-            Classical::Heun => Tableau::heun().into(),
-            Classical::Ralston => Tableau::ralston().into(),
-            Classical::Rk4 | Classical::Rkmk4 => Tableau::rk4().into(),
-            Classical::ThreeEighths => Tableau::three_eighths().into(),
-            Classical::ImplicitEuler => Tableau::implicit_euler().into(),
-            Classical::ImplicitMidpoint => Tableau::implicit_midpoint().into(),
-            Classical::Gauss4 => Tableau::gauss2().into(),
-            Classical::Gauss6 => Tableau::gauss3().into(),
-        }
-    }
-
     /// Its order.
     pub fn order(self) -> u32 {
         self.runge_kutta().order()
@@ -173,46 +153,38 @@ impl Method {
         }
     }
 
-    /// Its name where methods are listed.
-    fn listed(self) -> &'static str {
-        match self {
-            Method::Standard => "standard",
-            Method::EulerA => "euler-a",
-            Method::EulerB => "euler-b",
-            Method::Midpoint => "midpoint",
-            Method::Verlet => "verlet",
-            Method::Family(..) => "family=N/D",
-            Method::RightLift => "right-lift",
-            Method::TangentLift(0, _) => "tangent-lift",
-            Method::TangentLift(..) => "tangent-lift=N/D",
-            Method::Classical(classical) => classical.name(),
-        }
+    /// Its name in lists, and its description.
+    fn words(self) -> (&'static str, Cow<'static, str>) {
+        let (name, about) = match self {
+            Method::Standard => ("standard", "the system's standard step of order 2: `euler-a` or `verlet`"),
+            Method::EulerA => (
+                "euler-a",
+                "symplectic Euler, the paper's reduced step: order 2 where it is the standard, else 1",
+            ),
+            Method::EulerB => ("euler-b", "the adjoint of `euler-a`"),
+            Method::Midpoint => ("midpoint", "the implicit midpoint step on the group, order 2"),
+            Method::Verlet => ("verlet", "half a step of `euler-a`, then half a step of `euler-b`: order 2"),
+            Method::Family(..) => {
+                ("family=N/D", "another member s of the family, from 0 to 1, where it was generated")
+            }
+            Method::RightLift => {
+                ("right-lift", "`euler-a` carrying the momentum in space, where nothing acts")
+            }
+            Method::TangentLift(0, _) => (
+                "tangent-lift",
+                "the tangent lift, where it was generated: explicit, order 1, not symplectic",
+            ),
+            Method::TangentLift(..) => {
+                ("tangent-lift=N/D", "the tangent lift with another s; order 2 with 1/2")
+            }
+            Method::Classical(classical) => return (classical.name(), classical.about().into()),
+        };
+        (name, about.into())
     }
 
     /// Its name as a part of file names: `family-1-4`.
     pub fn stem(self) -> String {
         self.to_string().replace(['=', '/'], "-")
-    }
-
-    /// Describes it for people who choose one.
-    fn about(self) -> String {
-        let about = match self {
-            Method::Standard => "the system's standard step of order 2: `euler-a` or `verlet`",
-            Method::EulerA => {
-                "symplectic Euler, the paper's reduced step: order 2 where it is the standard, else 1"
-            }
-            Method::EulerB => "the adjoint of `euler-a`",
-            Method::Midpoint => "the implicit midpoint step on the group, order 2",
-            Method::Verlet => "half a step of `euler-a`, then half a step of `euler-b`: order 2",
-            Method::Family(..) => "another member s of the family, from 0 to 1, where it was generated",
-            Method::RightLift => "`euler-a` carrying the momentum in space, where nothing acts",
-            Method::TangentLift(0, _) => {
-                "the tangent lift, where it was generated: explicit, order 1, not symplectic"
-            }
-            Method::TangentLift(..) => "the tangent lift with another s; order 2 with 1/2",
-            Method::Classical(classical) => return classical.about(),
-        };
-        about.to_owned()
     }
 }
 
@@ -241,7 +213,7 @@ impl fmt::Display for Method {
             Method::TangentLift(numerator @ 1.., denominator) => {
                 write!(f, "tangent-lift={numerator}/{denominator}")
             }
-            named => f.write_str(named.listed()),
+            named => f.write_str(named.words().0),
         }
     }
 }
@@ -255,8 +227,8 @@ impl FromStr for Method {
             Some((of @ "tangent-lift", s)) => return fraction(of, s).map(|(n, d)| Method::TangentLift(n, d)),
             _ => {}
         }
-        Self::named().find(|method| method.listed() == name).ok_or_else(|| {
-            let names: Vec<&str> = Self::named().map(Method::listed).collect();
+        Self::named().find(|method| method.words().0 == name).ok_or_else(|| {
+            let names: Vec<&str> = Self::named().map(|method| method.words().0).collect();
             format!("there is no method `{name}` (methods: {}, family=1/4)", names.join(", "))
         })
     }
@@ -290,7 +262,10 @@ impl ValueParserFactory for Method {
 
 /// All methods, as clap lists them.
 fn possible() -> Vec<PossibleValue> {
-    let listed = |method: Method| PossibleValue::new(method.listed()).help(method.about());
+    let listed = |method: Method| {
+        let (name, about) = method.words();
+        PossibleValue::new(name).help(about.into_owned())
+    };
     let mut values: Vec<PossibleValue> = Method::named().map(listed).collect();
     // beside the first ones of their kinds
     values.insert(Method::COMMON.len() + 2, listed(Method::TangentLift(1, 2)));

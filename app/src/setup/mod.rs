@@ -11,6 +11,7 @@ mod scan;
 mod spread;
 mod transport;
 
+use clap::ValueEnum as _;
 use coadjoint::erased::{self, Map};
 use coadjoint::{ParameterError, Scheme};
 use nalgebra::Matrix3;
@@ -82,19 +83,19 @@ pub enum Order {
     /// The method itself.
     #[default]
     #[value(name = "2")]
-    Two,
+    Two = 2,
     /// Five steps in one.
     #[value(name = "4")]
-    Four,
+    Four = 4,
     /// Nine steps in one.
     #[value(name = "6")]
-    Six,
+    Six = 6,
     /// Seventeen steps in one.
     #[value(name = "8")]
-    Eight,
+    Eight = 8,
     /// Thirty-five steps in one.
     #[value(name = "10")]
-    Ten,
+    Ten = 10,
 }
 
 impl Order {
@@ -108,13 +109,7 @@ impl Order {
 
     /// As a number.
     pub fn number(self) -> u32 {
-        match self {
-            Order::Two => 2,
-            Order::Four => 4,
-            Order::Six => 6,
-            Order::Eight => 8,
-            Order::Ten => 10,
-        }
+        self as u32
     }
 }
 
@@ -188,9 +183,7 @@ impl Format {
 
     /// Finds the format of files with this extension.
     pub(crate) fn of_extension(extension: &str) -> Option<Self> {
-        [Format::Csv, Format::Json, Format::Parquet]
-            .into_iter()
-            .find(|format| format.extension() == extension)
+        Self::from_str(extension, false).ok()
     }
 }
 

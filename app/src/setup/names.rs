@@ -4,47 +4,23 @@ use std::ops::Range;
 
 use coadjoint::system::Quantity;
 
+use crate::catalogue::quantities::{Component, components};
 use crate::catalogue::suggest::did_you_mean;
-use crate::catalogue::{Entry, component_name};
+use crate::catalogue::{Entry, unit};
 use crate::error::SetupError;
 
-/// Which names can be assigned to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Names {
-    /// All of them.
-    All,
-    /// Those of what members of an ensemble may differ in: parameters and the state.
-    Varied,
-    /// Those of parameters.
-    Parameters,
-    /// Those of the state.
-    State,
-    /// Those of controls.
-    Controls,
-}
+/// Names in some parts of a setup, with a word for them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Names(&'static [Part], &'static str);
 
 impl Names {
-    /// Whether they are those of this part, among others.
-    fn include(self, part: Part) -> bool {
-        match self {
-            Names::All => true,
-            Names::Varied => part != Part::Controls,
-            Names::Parameters => part == Part::Parameters,
-            Names::State => part == Part::State,
-            Names::Controls => part == Part::Controls,
-        }
-    }
-
-    /// Names their kind in messages.
-    fn kind(self) -> &'static str {
-        match self {
-            Names::All => "parameter, state quantity or control",
-            Names::Varied => "parameter or state quantity",
-            Names::Parameters => "parameter",
-            Names::State => "state quantity",
-            Names::Controls => "control",
-        }
-    }
+    pub(crate) const ALL: Self =
+        Self(&[Part::Parameters, Part::State, Part::Controls], "parameter, state quantity or control");
+    /// Those of what members of an ensemble may differ in.
+    pub(crate) const VARIED: Self = Self(&[Part::Parameters, Part::State], "parameter or state quantity");
+    pub(crate) const PARAMETERS: Self = Self(&[Part::Parameters], "parameter");
+    pub(crate) const STATE: Self = Self(&[Part::State], "state quantity");
+    pub(crate) const CONTROLS: Self = Self(&[Part::Controls], "control");
 }
 
 /// The part of a setup that a name belongs to.
@@ -55,6 +31,17 @@ pub(super) enum Part {
     Controls,
 }
 
+impl Part {
+    /// Lists its quantities.
+    fn quantities(self, entry: &Entry) -> &'static [Quantity] {
+        match self {
+            Part::Parameters => entry.description.parameters,
+            Part::State => entry.description.state,
+            Part::Controls => entry.description.controls,
+        }
+    }
+}
+
 /// A name that can be set, and the numbers it stands for.
 #[derive(Clone, Debug)]
 pub(super) struct Name {
@@ -62,6 +49,7 @@ pub(super) struct Name {
     pub(super) part: Part,
     pub(super) quantity: &'static Quantity,
     pub(super) slots: Range<usize>,
+    pub(super) unit: &'static str,
 }
 
 impl Name {
@@ -69,21 +57,21 @@ impl Name {
     fn all(entry: &Entry, which: Names) -> Vec<Name> {
         let mut whole = Vec::new();
         let mut single = Vec::new();
-        for (part, quantities) in parts(entry).into_iter().filter(|(part, _)| which.include(*part)) {
-            for (quantity, slots) in Quantity::with_ranges(quantities) {
-                // a number in a list of one has a component's name too, as in tables
-                if quantity.components != [""] {
-                    single.extend(quantity.components.iter().zip(slots.clone()).map(|(component, slot)| {
-                        Name {
-                            name: component_name(quantity, component),
-                            part,
-                            quantity,
-                            slots: slot..slot + 1,
-                        }
-                    }));
-                }
-                whole.push(Name { name: quantity.name.to_owned(), part, quantity, slots });
-            }
+        for &part in which.0 {
+            let quantities = part.quantities(entry);
+            // a number in a list of one has a component's name too, as in tables
+            let named = components(quantities).filter(|component| component.quantity.components != [""]);
+            single.extend(named.map(|Component { quantity, name, unit, slot }| Name {
+                name,
+                part,
+                quantity,
+                slots: slot..slot + 1,
+                unit,
+            }));
+            whole.extend(Quantity::with_ranges(quantities).map(|(quantity, slots)| {
+                let (name, unit) = (quantity.name.to_owned(), unit(quantity));
+                Name { name, part, quantity, slots, unit }
+            }));
         }
         whole.extend(single);
         whole
@@ -100,38 +88,20 @@ pub(super) fn named(entry: &Entry, which: Names, name: &str) -> Result<Name, Set
     let mut names = Name::all(entry, which);
     let Some(index) = names.iter().position(|candidate| candidate.name == name) else {
         let hint = did_you_mean(name, names.iter().map(|candidate| candidate.name.as_str()));
-        let reason =
-            format!("`{}` has no {} `{name}`{hint} {}", entry.name, which.kind(), known(entry, which));
+        let reason = format!("`{}` has no {} `{name}`{hint} {}", entry.name, which.1, known(entry, which));
         return Err(SetupError::new(name, "", reason));
     };
     Ok(names.swap_remove(index))
 }
 
-/// The quantities of each part.
-fn parts(entry: &Entry) -> [(Part, &'static [Quantity]); 3] {
-    let description = &entry.description;
-    [
-        (Part::Parameters, description.parameters),
-        (Part::State, description.state),
-        (Part::Controls, description.controls),
-    ]
-}
-
 /// The names of whole quantities: `(parameters: inertia, weight, chi; state: attitude, momentum, gamma)`.
 fn known(entry: &Entry, which: Names) -> String {
-    // most systems have no controls
-    let shown = |part: &Part, quantities: &[Quantity]| match part {
-        Part::Controls => which.include(*part) && !quantities.is_empty(),
-        _ => true,
-    };
-    let parts = parts(entry).into_iter().filter(|(part, quantities)| shown(part, quantities));
-    let known = parts.map(|(part, quantities)| {
-        let title = match part {
-            Part::Parameters => "parameters",
-            Part::State => "state",
-            Part::Controls => "controls",
-        };
-        format!("{title}: {}", quantities.iter().map(|q| q.name).collect::<Vec<_>>().join(", "))
+    let parts = [(Part::Parameters, "parameters"), (Part::State, "state"), (Part::Controls, "controls")];
+    let known = parts.into_iter().filter_map(|(part, title)| {
+        let names: Vec<&str> = part.quantities(entry).iter().map(|quantity| quantity.name).collect();
+        // most systems have no controls
+        let is_shown = part != Part::Controls || (which.0.contains(&part) && !names.is_empty());
+        is_shown.then(|| format!("{title}: {}", names.join(", ")))
     });
     format!("({})", known.collect::<Vec<_>>().join("; "))
 }

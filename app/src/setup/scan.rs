@@ -29,7 +29,7 @@ impl Scan {
         let form = "write `name=from:to:count`, as in `weight=1:10:20`, or `name=1,2,5`";
         let (name, range) = text.split_once('=').ok_or_else(|| wrong(form))?;
         let (name, range) = (name.trim(), range.trim());
-        let target = named(entry, Names::All, name)?;
+        let target = named(entry, Names::ALL, name)?;
         if target.slots.len() != 1 {
             let component = component_name(target.quantity, target.quantity.components[0]);
             return Err(wrong(&format!("one number is scanned at a time, as in `{component}=…`")));
@@ -49,7 +49,7 @@ impl Scan {
         if let Some(value) = values.iter().find(|value| !value.is_finite()) {
             return Err(wrong(&format!("values must be finite, got {value}")));
         }
-        Ok(Self { name: name.to_owned(), unit: entry.unit(name), values })
+        Ok(Self { name: name.to_owned(), unit: target.unit, values })
     }
 
     /// All combinations of one or two scans, the last one varying fastest.

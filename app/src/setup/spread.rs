@@ -1,13 +1,13 @@
 //! `--spread name=width`: how members of an ensemble differ from one another.
 
-use coadjoint::system::{Quantity, Role};
+use coadjoint::system::{Kind, Quantity};
 
 use super::Setup;
 use super::names::{Name, Names, Part, count, named, numbers};
 use super::random::Random;
-use super::transport::{displace, places};
-use crate::catalogue::quantities::{matrix_order, rotation};
-use crate::catalogue::{Entry, component_name};
+use super::transport::displace;
+use crate::catalogue::Entry;
+use crate::catalogue::quantities::{Component, components, matrix_order, rotation, tangent_length};
 use crate::error::SetupError;
 
 /// How members of an ensemble differ: each number evenly within its width about the setup's, each rotation by a turn of
@@ -29,12 +29,7 @@ pub struct Variation {
 /// in a ball.
 #[derive(Clone, Debug, PartialEq)]
 struct RotationSpread {
-    name: &'static str,
-    /// The place in tangent vectors of the rotation's first component, and how many there are.
-    start: usize,
-    dimension: usize,
-    /// The length of tangent vectors.
-    length: usize,
+    quantity: &'static Quantity,
     /// In radians, or a pure number.
     width: f64,
     /// In which it is told: degrees, radians, or none.
@@ -81,14 +76,14 @@ impl Variation {
                 |what: &str| SetupError::new("spread", spread, format!("`--spread {spread}`: {what}"));
             let (name, value) =
                 spread.split_once('=').ok_or_else(|| wrong("has no `=`; write for example `momentum=1%`"))?;
-            let target = named(entry, Names::Varied, name.trim())?;
+            let target = named(entry, Names::VARIED, name.trim())?;
             let width = width(entry, &target, value.trim())
                 .map_err(|error| error.within(format!("`--spread {spread}`")))?;
-            all.words.push(in_words(entry, &target.name, &width));
+            all.words.push(in_words(&target, &width));
             match width {
                 Width::Turn(width, unit) => {
-                    all.turns.retain(|turn| turn.name != target.quantity.name);
-                    all.turns.extend(turn(entry, target.quantity, width, unit));
+                    all.turns.retain(|turn| turn.quantity.name != target.quantity.name);
+                    all.turns.push(RotationSpread { quantity: target.quantity, width, unit });
                 }
                 Width::Percent(percent) => {
                     let values = if target.part == Part::State { &setup.state } else { &setup.parameters };
@@ -149,7 +144,7 @@ impl Variation {
         let system = entry.system(&drawn.parameters);
         let mut angles = Vec::new();
         for turn in &self.turns {
-            let (by, angle) = turn.draw(&mut random);
+            let (by, angle) = turn.draw(entry, &mut random);
             drawn.state = displace(&*system, &drawn.state, &by);
             angles.push(angle);
         }
@@ -164,20 +159,16 @@ impl Variation {
             (entry.description.state, &self.state, true),
         ];
         for (quantities, widths, of_state) in parts {
-            for (quantity, place) in Quantity::with_ranges(quantities) {
-                for (component, slot) in quantity.components.iter().zip(place) {
-                    // what mirrors another number is the same
-                    let is_second = !of_state && self.mirrored.iter().any(|(_, second)| *second == slot);
-                    if widths[slot] > 0.0 && !is_second {
-                        let name = component_name(quantity, component);
-                        let unit = entry.unit(&name);
-                        slots.push((of_state, slot, SampledRange { name, unit, range: NOTHING }));
-                    }
+            for Component { name, unit, slot, .. } in components(quantities) {
+                // what mirrors another number is the same
+                let is_second = !of_state && self.mirrored.iter().any(|(_, second)| *second == slot);
+                if widths[slot] > 0.0 && !is_second {
+                    slots.push((of_state, slot, SampledRange { name, unit, range: NOTHING }));
                 }
             }
         }
         let angles = self.turns.iter().map(|turn| SampledRange {
-            name: turn.name.to_owned(),
+            name: turn.quantity.name.to_owned(),
             unit: turn.unit,
             range: NOTHING,
         });
@@ -219,56 +210,36 @@ impl Ranges<'_> {
 
 impl RotationSpread {
     /// A tangent vector, and the angle.
-    fn draw(&self, random: &mut Random) -> (Vec<f64>, f64) {
+    fn draw(&self, entry: &Entry, random: &mut Random) -> (Vec<f64>, f64) {
+        let tangent = self.quantity.tangent();
+        // of a rigid motion the rotation alone
+        let dimension = match rotation(self.quantity) {
+            Some((4, _)) => 3,
+            Some(_) => 1,
+            None => tangent.len(),
+        };
         let (vector, length) = loop {
-            let vector: Vec<f64> = (0..self.dimension).map(|_| random.even()).collect();
+            let vector: Vec<f64> = (0..dimension).map(|_| random.even()).collect();
             let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
             if length <= 1.0 {
                 break (vector, length);
             }
         };
-        let mut by = vec![0.0; self.length];
-        by[self.start..].iter_mut().zip(vector).for_each(|(by, x)| *by = self.width * x);
+        let mut by = vec![0.0; tangent_length(entry.description.state)];
+        by[tangent.start..].iter_mut().zip(vector).for_each(|(by, x)| *by = self.width * x);
         (by, self.width * length)
     }
-}
-
-/// The turn of a quantity that is a rotation, or begins with one, or the displacement of a matrix.
-fn turn(entry: &Entry, quantity: &Quantity, width: f64, unit: &'static str) -> Option<RotationSpread> {
-    let places = places(entry.description.state);
-    let length = places.last()?.tangent.end;
-    let place = places.iter().find(|place| place.quantity.name == quantity.name)?;
-    let dimension = match rotation(quantity) {
-        // a rotation of space has three numbers, one of the plane one
-        Some((stored, _)) => {
-            if stored == 4 {
-                3
-            } else {
-                1
-            }
-        }
-        None => place.tangent.len(),
-    };
-    Some(RotationSpread {
-        name: place.quantity.name,
-        start: place.tangent.start,
-        dimension,
-        length,
-        width,
-        unit,
-    })
 }
 
 /// The entries of square matrices that are symmetric in the setup, each with its mirror image.
 fn mirrored(entry: &Entry, setup: &Setup) -> Vec<(usize, usize)> {
     let mut pairs = Vec::new();
     for (quantity, slots) in Quantity::with_ranges(entry.description.parameters) {
-        let n = slots.len().isqrt();
-        // `xx` and so on: else it is a vector
-        let is_matrix = quantity.components.iter().all(|component| component.chars().count() == 2);
-        if !is_matrix || n * n != slots.len() || quantity.role != Role::Parameter {
-            continue;
-        }
+        let n = match quantity.kind {
+            Kind::SymmetricMatrix(n) => n,
+            Kind::Matrix(rows, columns) if rows == columns => rows,
+            _ => continue,
+        };
         let of_quantity = |i: usize, j: usize| (slots.start + i * n + j, slots.start + j * n + i);
         let own = (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j))).map(|(i, j)| of_quantity(i, j));
         let own: Vec<_> = own.collect();
@@ -324,7 +295,7 @@ fn width(entry: &Entry, target: &Name, value: &str) -> Result<Width, SetupError>
     if numbers.len() != requested {
         return wrong(format!("takes {} or one, got {}", count(requested), numbers.len()));
     }
-    match (unit, entry.unit(name)) {
+    match (unit, target.unit) {
         ("%", _) => Ok(Width::Percent(numbers)),
         ("", _) => Ok(Width::Absolute(numbers)),
         (unit, own) if unit == own => Ok(Width::Absolute(numbers)),
@@ -343,7 +314,7 @@ fn split_unit(value: &str) -> (&str, &str) {
 }
 
 /// `inertia ±1 % of each component`
-fn in_words(entry: &Entry, name: &str, width: &Width) -> String {
+fn in_words(Name { name, unit, .. }: &Name, width: &Width) -> String {
     let own = |numbers: &[f64]| match numbers {
         [first, rest @ ..] if rest.iter().all(|number| number == first) => first.to_string(),
         numbers => {
@@ -357,9 +328,7 @@ fn in_words(entry: &Entry, name: &str, width: &Width) -> String {
         Width::Turn(width, unit) => format!("{name} turned by up to {width} {unit}"),
         Width::Percent(percent) if percent.len() == 1 => format!("{name} ±{} %", own(percent)),
         Width::Percent(percent) => format!("{name} ±{} % of each component", own(percent)),
-        Width::Absolute(widths) => {
-            format!("{name} ±{} {}", own(widths), entry.unit(name)).trim_end().to_owned()
-        }
+        Width::Absolute(widths) => format!("{name} ±{} {unit}", own(widths)).trim_end().to_owned(),
     }
 }
 

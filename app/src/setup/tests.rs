@@ -156,7 +156,7 @@ fn advected_vectors_turn_with_an_attitude_that_is_set() {
     let fixed = quaternion(&entry.example.state[..4]) * field(&entry.example.state);
     for pose in [[0.6, 0.8, 0.0, 0.0, 7.0, 8.0, -9.0], [-0.6, 0.0, 0.8, 0.0, 1.0, 2.0, 3.0]] {
         let mut changes = Changes::of(&entry);
-        changes.assign(Names::State, "pose", &pose).expect("valid");
+        changes.assign(Names::STATE, "pose", &pose).expect("valid");
         let (setup, _) = changes.finish().expect("valid");
         let expected = quaternion(&setup.state[..4]).inverse() * fixed;
         assert!((field(&setup.state) - expected).norm() < 1e-14, "{pose:?}: {setup:?}");
@@ -166,7 +166,7 @@ fn advected_vectors_turn_with_an_attitude_that_is_set() {
     let field = |state: &[f64]| Vector3::from_column_slice(&state[7..]);
     let fixed = quaternion(&entry.example.state[..4]).inverse() * field(&entry.example.state);
     let mut changes = Changes::of(&entry);
-    changes.assign(Names::State, "attitude", &[0.1, 0.7, -0.1, 0.7]).expect("valid");
+    changes.assign(Names::STATE, "attitude", &[0.1, 0.7, -0.1, 0.7]).expect("valid");
     let (setup, _) = changes.finish().expect("valid");
     let expected = quaternion(&setup.state[..4]) * fixed;
     assert!((field(&setup.state) - expected).norm() < 1e-14, "{setup:?} {expected}");

@@ -1,42 +1,13 @@
 //! Advected quantities seen from a body that was moved: they are fixed in space.
 //!
-//! Nothing here knows a group: states are displaced by [`displace`](coadjoint::system::Geometry::displace), and
-//! advected parameters follow the flow of [`hamiltonian_vector`](coadjoint::system::Geometry::hamiltonian_vector) with
-//! a constant velocity, which is linear in them.
-
-use std::ops::Range;
+//! They follow the flow of [`hamiltonian_vector`](coadjoint::system::Geometry::hamiltonian_vector) with a constant
+//! velocity, which is linear in them.
 
 use coadjoint::erased::{self, Map};
-use coadjoint::system::{Quantity, Role};
-use nalgebra::{Complex, DMatrix, DVector, Quaternion, UnitQuaternion};
+use coadjoint::system::{Kind, Quantity, Role, Side};
+use nalgebra::{Complex, DMatrix, DVector, Quaternion, Unit, UnitQuaternion, Vector3};
 
-use crate::catalogue::quantities::{rotation, tangent_places};
-
-/// A quantity of the state: where its numbers are, and where those of its tangent vectors.
-#[derive(Clone, Debug)]
-pub(super) struct Place {
-    pub(super) quantity: &'static Quantity,
-    pub(super) slots: Range<usize>,
-    pub(super) tangent: Range<usize>,
-}
-
-/// All quantities of a state.
-pub(super) fn places(state: &'static [Quantity]) -> Vec<Place> {
-    let of_tangents = tangent_places(state).map(|(_, tangent)| tangent);
-    Quantity::with_ranges(state)
-        .zip(of_tangents)
-        .map(|((quantity, slots), tangent)| Place { quantity, slots, tangent })
-        .collect()
-}
-
-fn is(role: Role) -> impl Fn(&&Place) -> bool {
-    move |place| place.quantity.role == role
-}
-
-/// The length of tangent vectors.
-fn length(places: &[Place]) -> usize {
-    places.last().map_or(0, |place| place.tangent.end)
-}
+use crate::catalogue::quantities::{rotation, tangent_length};
 
 /// Displaces a state by a tangent vector that moves nothing but configurations, and turns what is advected along.
 pub(super) fn displace(system: &dyn erased::System, state: &[f64], by: &[f64]) -> Vec<f64> {
@@ -47,17 +18,15 @@ pub(super) fn displace(system: &dyn erased::System, state: &[f64], by: &[f64]) -
 
 /// Takes what is advected along with a displacement of configurations that has been made.
 fn carry(system: &dyn erased::System, state: &mut [f64], by: &[f64]) {
-    let places = places(system.description().state);
-    let advected: Vec<&Place> = places.iter().filter(is(Role::Advected)).collect();
-    let of = |ranges: fn(&Place) -> Range<usize>| advected.iter().flat_map(move |place| ranges(place));
-    let (slots, tangents): (Vec<usize>, Vec<usize>) =
-        (of(|place| place.slots.clone()).collect(), of(|place| place.tangent.clone()).collect());
+    let quantities = system.description().state;
+    let advected =
+        || Quantity::with_ranges(quantities).filter(|(quantity, _)| quantity.role == Role::Advected);
+    let slots: Vec<usize> = advected().flat_map(|(_, slots)| slots).collect();
+    let tangents: Vec<usize> = advected().flat_map(|(quantity, _)| quantity.tangent()).collect();
     // the velocity whose flow is the displacement after a unit of time: `∂h/∂μ`
-    let mut velocity = vec![0.0; length(&places)];
-    for pair in places.windows(2) {
-        if pair[0].quantity.role == Role::Configuration {
-            velocity[pair[1].tangent.clone()].copy_from_slice(&by[pair[0].tangent.clone()]);
-        }
+    let mut velocity = vec![0.0; tangent_length(quantities)];
+    for pair in quantities.windows(2).filter(|pair| pair[0].role == Role::Configuration) {
+        velocity[pair[1].tangent()].copy_from_slice(&by[pair[0].tangent()]);
     }
     let column = |&slot: &usize| {
         let mut unit = state.to_vec();
@@ -98,104 +67,108 @@ fn expm_multiply(matrix: &DMatrix<f64>, mut vector: DVector<f64>) -> DVector<f64
     vector
 }
 
-/// The state with the configurations of another one, and with what is advected as it is seen from there. None where no
-/// displacement from the one to the other is found.
+/// The state with the configurations of another one, and with what is advected as it is seen from there. None where a
+/// configuration that differs is a matrix.
 pub(super) fn moved(system: &dyn erased::System, from: &[f64], to: &[f64]) -> Option<Vec<f64>> {
-    let places = places(system.description().state);
+    let erased::Description { state: quantities, side, .. } = system.description();
     let mut state = from.to_vec();
-    for place in places.iter().filter(is(Role::Configuration)) {
-        if state[place.slots.clone()] != to[place.slots.clone()] {
-            state = ways(place, &state, to).into_iter().find_map(|turn| {
-                let turned = displace_at(system, &state, place, &turn, length(&places));
-                let reached = shifted(system, place, &turned, to, length(&places));
-                is_there(&reached[place.slots.clone()], &to[place.slots.clone()]).then_some(reached)
-            })?;
+    for (quantity, slots) in Quantity::with_ranges(quantities) {
+        if quantity.role != Role::Configuration || state[slots.clone()] == to[slots.clone()] {
+            continue;
         }
+        let tangent = quantity.tangent();
+        let mut displaced = |start: usize, by: &[f64]| {
+            let mut all = vec![0.0; tangent_length(quantities)];
+            all[start..start + by.len()].copy_from_slice(by);
+            state = displace(system, &state, &all);
+            state[slots.clone()].to_vec()
+        };
+        let reached =
+            displaced(tangent.start, &turn(quantity.kind, side, &from[slots.clone()], &to[slots.clone()])?);
+        let shift = shift(quantity, side, &reached, &to[slots.clone()]);
+        displaced(tangent.end - shift.len(), &shift);
     }
     Some(state)
 }
 
-/// Displaces one configuration by the first components of a tangent vector.
-fn displace_at(
-    system: &dyn erased::System,
-    state: &[f64],
-    place: &Place,
-    by: &[f64],
-    length: usize,
-) -> Vec<f64> {
-    let mut tangent = vec![0.0; length];
-    tangent[place.tangent.start..place.tangent.start + by.len()].copy_from_slice(by);
-    displace(system, state, &tangent)
-}
-
-fn is_there(reached: &[f64], wanted: &[f64]) -> bool {
-    let is_near = |(x, y): (&f64, &f64)| (x - y).abs() <= 1e-12 * (1.0 + y.abs());
-    reached.iter().zip(wanted).all(is_near)
-}
-
-/// The turns that may lead from one configuration to another, as the rotation's part of a tangent vector: about axes of
-/// the body or of space, the short way or the long one. Of a vector the difference.
-fn ways(place: &Place, from: &[f64], to: &[f64]) -> Vec<Vec<f64>> {
-    let (from, to) = (&from[place.slots.clone()], &to[place.slots.clone()]);
-    match rotation(place.quantity) {
-        None => vec![to.iter().zip(from).map(|(to, from)| to - from).collect()],
-        Some((2, _)) => {
-            let [from, to] = [from, to].map(|z| Complex::new(z[0], z[1]));
-            let turn = to * from.conj();
-            vec![vec![turn.im.atan2(turn.re)]]
+/// The rotation between two configurations, as a tangent vector; of vectors the difference.
+fn turn(kind: Kind, side: Side, from: &[f64], to: &[f64]) -> Option<Vec<f64>> {
+    Some(match kind {
+        Kind::Scalar | Kind::Vector(_) => to.iter().zip(from).map(|(to, from)| to - from).collect(),
+        Kind::UnitComplex | Kind::RigidMotion2 => {
+            let turn = complex(to) * complex(from).conj();
+            vec![turn.im.atan2(turn.re)]
         }
-        Some(_) => {
-            let [from, to] = [from, to].map(|q| Quaternion::new(q[0], q[1], q[2], q[3]));
-            [from.conjugate() * to, to * from.conjugate()]
-                .into_iter()
-                .flat_map(|turn| {
-                    let turn = UnitQuaternion::from_quaternion(turn);
-                    let short = turn.scaled_axis();
-                    let full = turn.axis().map_or(short, |axis| axis.scale(std::f64::consts::TAU));
-                    [short, short - full]
-                })
-                .map(|turn| turn.as_slice().to_vec())
-                .collect()
+        Kind::UnitQuaternion | Kind::RigidMotion3 => {
+            let turn = match side {
+                Side::Left => quaternion(from).inverse() * quaternion(to),
+                Side::Right => quaternion(to) * quaternion(from).inverse(),
+            };
+            turn.scaled_axis().as_slice().to_vec()
         }
+        _ => return None,
+    })
+}
+
+/// The shift of a rigid motion that is turned already.
+fn shift(quantity: &Quantity, side: Side, turned: &[f64], to: &[f64]) -> Vec<f64> {
+    let missing = |slot: usize| to[slot] - turned[slot];
+    match (quantity.kind, side) {
+        (Kind::RigidMotion2, Side::Left) => {
+            let shift = complex(turned).conj() * Complex::new(missing(2), missing(3));
+            vec![shift.re, shift.im]
+        }
+        (Kind::RigidMotion3, Side::Left) => {
+            let shift = quaternion(turned).inverse() * Vector3::from([4, 5, 6].map(missing));
+            shift.as_slice().to_vec()
+        }
+        _ => rotation(quantity).map_or(Vec::new(), |(count, _)| (count..to.len()).map(missing).collect()),
     }
 }
 
-/// A rigid motion that is turned already, shifted to where it should be: what a shift does is linear in it.
-fn shifted(
-    system: &dyn erased::System,
-    place: &Place,
-    turned: &[f64],
-    to: &[f64],
-    length: usize,
-) -> Vec<f64> {
-    let turns = rotation(place.quantity).map_or(place.slots.len(), |(count, _)| count);
-    let shifts = place.slots.start + turns..place.slots.end;
-    let n = shifts.len();
-    let by = |shift: &[f64]| {
-        let mut all = vec![0.0; place.tangent.len()];
-        let start = place.tangent.len() - n;
-        all[start..].copy_from_slice(shift);
-        displace_at(system, turned, place, &all, length)
-    };
-    let missing = DVector::from_iterator(n, shifts.clone().map(|slot| to[slot] - turned[slot]));
-    if n == 0 || missing.iter().all(|x| *x == 0.0) {
-        return turned.to_vec();
-    }
-    let column = |k: usize| {
-        let there = by(DVector::from_fn(n, |i, _| f64::from(u8::from(i == k))).as_slice());
-        DVector::from_iterator(n, shifts.clone().map(|slot| there[slot] - turned[slot]))
-    };
-    let columns: Vec<DVector<f64>> = (0..n).map(column).collect();
-    match DMatrix::from_columns(&columns).lu().solve(&missing) {
-        Some(shift) => by(shift.as_slice()),
-        None => turned.to_vec(),
-    }
+fn complex(z: &[f64]) -> Complex<f64> {
+    Complex::new(z[0], z[1])
+}
+
+fn quaternion(q: &[f64]) -> UnitQuaternion<f64> {
+    Unit::new_unchecked(Quaternion::new(q[0], q[1], q[2], q[3]))
 }
 
 #[cfg(test)]
 mod tests {
+    use coadjoint::prelude::*;
+
     use super::*;
     use crate::setup::random::Random;
+
+    /// A plate on water, seen from the shore.
+    #[lie_poisson_system(group = SE2, invariance = right, retractions(Cayley))]
+    struct Plate {
+        #[inertia]
+        inertia: Vector3<f64>,
+    }
+
+    #[test]
+    fn configurations_of_every_kind_are_reached() {
+        let reached = |system: &dyn erased::System, from: &[f64], to: &[f64]| {
+            let there = moved(system, from, to).expect("no matrix");
+            let error = there.iter().zip(to).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+            assert!(error < 1e-14, "{from:?}: {there:?}, {to:?}");
+        };
+        let plate = Plate { inertia: Vector3::repeat(1.0) };
+        let (from, to) = ([1.0, 0.0, 0.5, -2.0, 0.0, 0.0, 0.0], [0.6, -0.8, 3.0, 1.0, 0.0, 0.0, 0.0]);
+        reached(&plate, &from, &to);
+        for (name, configuration) in [
+            ("planar_pendulum", &[0.6, -0.8][..]),
+            ("rigid_body_in_space", &[0.5, 0.5, -0.5, 0.5, 3.0, 1.0, -2.0]),
+            ("kepler", &[0.25, 3.0, -1.0]),
+        ] {
+            let entry = crate::test_systems::catalogue().system(name).expect("it is there");
+            let (from, mut to) = (&entry.example.state, entry.example.state.clone());
+            to[..configuration.len()].copy_from_slice(configuration);
+            reached(&*entry.system(&entry.example.parameters), from, &to);
+        }
+    }
 
     fn matrix(n: usize, random: &mut Random) -> DMatrix<f64> {
         DMatrix::from_fn(n, n, |_, _| 3.0 * random.even())

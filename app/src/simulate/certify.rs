@@ -4,11 +4,11 @@ use std::ops::ControlFlow;
 
 use coadjoint::certify::{Report, certify_erased};
 use coadjoint::erased::{self, Map};
-use coadjoint::system::Role;
+use coadjoint::system::{Quantity, Role};
 use nalgebra::{DMatrix, DVector};
 
 use super::{scheme, simulate};
-use crate::catalogue::quantities::tangent_places;
+use crate::catalogue::quantities::tangent_length;
 use crate::catalogue::{Entry, Setup};
 use crate::error::RunError;
 use crate::setup::random::Random;
@@ -75,11 +75,12 @@ fn in_motion(
     rate: f64,
     random: &mut Random,
 ) -> Vec<f64> {
-    let places: Vec<_> = tangent_places(system.description().state).collect();
-    let of = |role| places.iter().filter(move |place| place.0 == role).flat_map(|place| place.1.clone());
-    let (turns, momenta) =
-        (of(Role::Configuration).collect::<Vec<usize>>(), of(Role::Momentum).collect::<Vec<usize>>());
-    let length = places.last().map_or(0, |place| place.1.end);
+    let quantities = system.description().state;
+    let of = |role| -> Vec<usize> {
+        quantities.iter().filter(|quantity| quantity.role == role).flat_map(Quantity::tangent).collect()
+    };
+    let (turns, momenta) = (of(Role::Configuration), of(Role::Momentum));
+    let length = tangent_length(quantities);
     let mut by = vec![0.0; length];
     turns.iter().for_each(|&turn| by[turn] = 0.5 * random.even());
     let displaced = system.displace(state, Map::Exponential, &by);

@@ -3,17 +3,20 @@
 use std::sync::Arc;
 
 use coadjoint::erased::{self, At};
-use coadjoint::system::Role;
+use coadjoint::system::{Quantity, Role};
 use coadjoint::{ParameterError, StepError};
 use coadjoint_classical::{Diverged, RungeKutta};
 
-use crate::catalogue::quantities::tangent_places;
+use crate::catalogue::quantities::tangent_length;
 use crate::setup::Classical;
 
-/// Builds a stepper with this step.
-pub(super) fn stepper(
-    classical: Classical,
+/// Builds a stepper that takes the steps of a classical method of any system, by its vector field.
+///
+/// # Errors
+/// If parameters or step are not valid.
+pub fn stepper(
     system: Arc<dyn erased::System>,
+    classical: Classical,
     step: f64,
 ) -> Result<erased::Stepper, ParameterError> {
     let scheme = classical.runge_kutta();
@@ -84,19 +87,17 @@ impl Algebra {
     /// series wants there.
     fn of(system: &dyn erased::System) -> Self {
         let quantities = system.description().state;
-        let mut places: Vec<_> = tangent_places(quantities).collect();
-        let length = places.last().map_or(0, |(_, place)| place.end);
+        let length = tangent_length(quantities);
+        let stored: usize = quantities.iter().map(|quantity| quantity.components.len()).sum();
         let mut constants = Vec::new();
-        // what is stored before the momentum
-        let mut stored = 0;
-        places.push((Role::Parameter, length..length));
-        for (pair, quantity) in places.windows(2).zip(quantities) {
-            stored += quantity.components.len();
-            let [(Role::Configuration, turns), (Role::Momentum, momenta)] = pair else { continue };
+        for ((momentum, slots), before) in Quantity::with_ranges(quantities).skip(1).zip(quantities) {
+            if (before.role, momentum.role) != (Role::Configuration, Role::Momentum) {
+                continue;
+            }
+            let (turns, momenta) = (before.tangent(), momentum.tangent());
             for (k, i) in turns.clone().enumerate().flat_map(|(k, _)| momenta.clone().map(move |i| (k, i))) {
-                let mut state =
-                    vec![0.0; system.description().state.iter().map(|q| q.components.len()).sum()];
-                state[stored + k] = 1.0;
+                let mut state = vec![0.0; stored];
+                state[slots.start + k] = 1.0;
                 let mut covector = vec![0.0; length];
                 covector[i] = 1.0;
                 let coadjoint = system.hamiltonian_vector(&state, &covector);

@@ -15,17 +15,17 @@ use coadjoint::RunReport;
 use coadjoint::composition::{KahanLi6, KahanLi8, SofroniouSpaletta10, Suzuki4};
 use coadjoint::erased::{self, StepperError};
 use coadjoint::observe::Observer;
-use coadjoint::prelude::*;
 use coadjoint::scheme::Rule;
 use coadjoint::{Run, Scheme, Tick};
 use serde::{Deserialize, Serialize};
 
 pub use certify::{certify, states_in_motion};
+pub use classical::stepper as classical_stepper;
 
 use crate::catalogue::{ControlLaw, Entry, Setup};
 use crate::error::{RunError, SetupError};
 pub use crate::record::Sample;
-use crate::setup::{Classical, Job, Method, Order, Retraction};
+use crate::setup::{Job, Method, Order, Retraction};
 
 /// The state of a run from which it can be resumed, bit for bit.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -95,18 +95,6 @@ fn not_certified(method: Method) -> SetupError {
         _ => "claims nothing that a certificate could measure",
     };
     SetupError::new("method", method, format!("method {method} {why}"))
-}
-
-/// Builds a stepper that takes the steps of a classical method of any system, by its vector field.
-///
-/// # Errors
-/// If the parameters are not valid, or the step is zero or not finite.
-pub fn classical_stepper(
-    system: Arc<dyn erased::System>,
-    method: Classical,
-    step: f64,
-) -> Result<erased::Stepper, ParameterError> {
-    classical::stepper(method, system, step)
 }
 
 /// Builds the stepper of a run.

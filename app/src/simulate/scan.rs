@@ -49,7 +49,7 @@ pub(crate) fn scan(
         let assigned = scans
             .iter()
             .zip(&values)
-            .try_for_each(|(scan, value)| changes.assign(Names::All, &scan.name, &[*value]));
+            .try_for_each(|(scan, value)| changes.assign(Names::ALL, &scan.name, &[*value]));
         let outcome = assigned.map_err(Error::from).and_then(|()| one(entry, changes, job, stop));
         progress(finished.fetch_add(1, Ordering::Relaxed) + 1);
         ScanRow { values, outcome: outcome.map_err(|error| error.to_string()) }

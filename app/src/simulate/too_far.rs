@@ -4,9 +4,8 @@ use std::f64::consts::PI;
 
 use coadjoint::StepError;
 use coadjoint::erased;
-use coadjoint::system::Role;
 
-use crate::catalogue::quantities::{rotation, tangent_places};
+use crate::catalogue::quantities::rotation;
 use crate::error::RunError;
 use crate::setup::{Job, Retraction};
 
@@ -23,12 +22,11 @@ pub(super) fn explained(
     }
     let quantities = system.description().state;
     let rates = system.motion(state, source.time, &[]);
-    let turns = tangent_places(quantities).zip(quantities).filter_map(|((_, place), quantity)| {
+    let turns = quantities.iter().filter_map(|quantity| {
         // of the plane there is no such limit
         let (4, _) = rotation(quantity)? else { return None };
-        let rates = &rates[place.start..place.start + 3];
-        let rate = rates.iter().map(|rate| rate * rate).sum::<f64>().sqrt();
-        (quantity.role == Role::Configuration).then_some(rate)
+        let rates = &rates[quantity.tangent()][..3];
+        Some(rates.iter().map(|rate| rate * rate).sum::<f64>().sqrt())
     });
     let rate = turns.fold(0.0, f64::max);
     let turn = rate * job.step.abs();

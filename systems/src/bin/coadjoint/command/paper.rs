@@ -83,13 +83,7 @@ pub(crate) fn paper(
             return Err(Error::Interrupted);
         }
         let time_per_step = time_per_step(entry, &setup, &job)?;
-        summaries.push(RunSummary {
-            job,
-            report: done.report,
-            conservation: done.conservation,
-            off_group: done.off_group,
-            time_per_step,
-        });
+        summaries.push(RunSummary { time_per_step, ..done.summary });
     }
     write!(console, "\n{}\n", Table::new(entry, summaries))?;
     for (drawing, guard) in figure {
