@@ -17,7 +17,7 @@ const MOST: f64 = 8.0;
 /// The longest step: half of a radian, or of what else the motion takes to lead to something else entirely.
 const LONGEST: f64 = 0.5;
 /// The steps that the generator knows.
-const RULES: [Rule; 9] = [
+pub(crate) const RULES: [Rule; 9] = [
     Rule::Member(0, 1),
     Rule::Member(1, 1),
     Rule::Member(1, 2),
@@ -32,7 +32,7 @@ const RULES: [Rule; 9] = [
 /// How many states a scheme of a system is tried at, unless `COADJOINT_STATES` says it.
 const STATES: usize = 60;
 
-fn states() -> usize {
+pub(crate) fn states() -> usize {
     std::env::var("COADJOINT_STATES").ok().and_then(|states| states.parse().ok()).unwrap_or(STATES)
 }
 
@@ -52,11 +52,15 @@ impl Subject {
         let (system, state) = (Arc::new(system), state.to_components().as_ref().to_vec());
         Self { name: S::NAME.to_owned(), system, state }
     }
+
+    pub(crate) fn name(&self) -> &str {
+        &self.name
+    }
 }
 
 /// How a state is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Kind {
+pub(crate) enum Kind {
     /// All numbers at random.
     General,
     /// No momentum.
@@ -79,7 +83,7 @@ enum Kind {
     Units,
 }
 
-const KINDS: [Kind; 10] = [
+pub(crate) const KINDS: [Kind; 10] = [
     Kind::General,
     Kind::AtRest,
     Kind::OneZero,
@@ -93,21 +97,21 @@ const KINDS: [Kind; 10] = [
 ];
 
 /// A step to be taken.
-struct Draw {
-    kind: Kind,
-    system: Arc<dyn System>,
-    state: Vec<f64>,
-    control: Vec<f64>,
-    time: f64,
-    step: f64,
+pub(crate) struct Draw {
+    pub(crate) kind: Kind,
+    pub(crate) system: Arc<dyn System>,
+    pub(crate) state: Vec<f64>,
+    pub(crate) control: Vec<f64>,
+    pub(crate) time: f64,
+    pub(crate) step: f64,
     /// Steps of one stepper, of which the last is looked at too.
     then: usize,
 }
 
 /// Draws steps of a system.
-struct Drawer<'a> {
+pub(crate) struct Drawer<'a> {
     subject: &'a Subject,
-    around: Around,
+    pub(crate) around: Around,
     controls: usize,
     /// The powers with which parameters scale in other units of mass.
     powers: Option<Vec<i32>>,
@@ -115,7 +119,7 @@ struct Drawer<'a> {
 }
 
 impl<'a> Drawer<'a> {
-    fn new(subject: &'a Subject, seed: u64) -> Self {
+    pub(crate) fn new(subject: &'a Subject, seed: u64) -> Self {
         let description = subject.system.description();
         let controls = description.controls.iter().map(|control| control.components.len()).sum();
         let none = vec![0.0; controls];
@@ -151,7 +155,7 @@ impl<'a> Drawer<'a> {
         state
     }
 
-    fn draw(&mut self, kind: Kind) -> Option<Draw> {
+    pub(crate) fn draw(&mut self, kind: Kind) -> Option<Draw> {
         let Around { linear, scale, .. } = self.around.clone();
         let momenta = self.momenta();
         let mut state = self.general();

@@ -22,6 +22,7 @@ use crate::runs::{Runs, scheme, steer, walk};
         body.dot(&(inertia.try_inverse().expect("regular") * body)) / 2.0
     },
     methods(Midpoint),
+    derivatives(state),
 )]
 struct Gyrostat {
     #[inertia]
@@ -54,6 +55,7 @@ struct Cubesat {
     },
     force(wheels = [vector![torque.x], vector![torque.y], vector![torque.z]]),
     methods(Midpoint),
+    derivatives(state),
 )]
 struct Wheeled {
     #[inertia]

@@ -30,6 +30,7 @@ struct Ball {
         attitude = moment - spin_drag * attitude_velocity.norm() * attitude_velocity,
         position = thrust * (attitude * Vector3::z()) - drag * position_velocity.norm() * position_velocity
     ),
+    derivatives(state),
 )]
 struct Quad {
     #[inertia(attitude)]
@@ -98,7 +99,7 @@ struct Spinner {
 }
 
 /// A mass in a hollow that is flat in its middle.
-#[lie_poisson_system(group = R3, potential = stiffness * position.norm().powi(3) / 3.0, methods(Midpoint))]
+#[lie_poisson_system(group = R3, potential = stiffness * position.norm().powi(3) / 3.0, methods(Midpoint), derivatives(state))]
 struct Cubic {
     #[inertia]
     mass: f64,
