@@ -302,7 +302,7 @@ mod tests {
     use super::*;
     use crate::retraction::Cayley;
     use crate::run::Run;
-    use crate::test_system::{Body, BodyState};
+    use crate::tests::{Body, BodyState};
     use nalgebra::{UnitQuaternion, Vector3};
     use std::vec::Vec;
 

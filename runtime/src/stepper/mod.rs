@@ -404,7 +404,7 @@ mod tests {
     use crate::scheme::{StormerVerlet, SymplecticEulerA};
     use crate::system::Discretized;
     use crate::system::{NoControl, System};
-    use crate::test_system::{Body, BodyState, Oscillator, OscillatorControl, OscillatorState};
+    use crate::tests::{Body, BodyState, Oscillator, OscillatorControl, OscillatorState};
     use nalgebra::{UnitQuaternion, Vector3};
 
     const DRIVEN: Oscillator = Oscillator { mass: 1.5, stiffness: 4.0, drive: 0.7 };

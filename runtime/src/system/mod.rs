@@ -577,7 +577,7 @@ impl<T: RealField + Copy> Stored<T, 4> for Isometry2<T> {
 #[cfg(all(test, feature = "std"))]
 mod tests {
     use super::*;
-    use crate::test_system::{Oscillator, OscillatorControl, OscillatorState};
+    use crate::tests::{Oscillator, OscillatorControl, OscillatorState};
     use nalgebra::{Matrix2, Vector2, Vector3};
 
     /// There and back, both ways.
