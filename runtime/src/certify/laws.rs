@@ -12,7 +12,7 @@ use super::frame::larger;
 use super::neighbourhood::{
     Basis, Carried, Degenerate, EvaluateKernel, Neighbourhood, Unknown, combined, exponential, function,
 };
-use super::report::{Bound, Certificate, Verdict, table};
+use super::report::{Bound, Certificate, Report, Verdict};
 use crate::erased::array;
 use crate::retraction::Map;
 use crate::scheme::Rule;
@@ -22,41 +22,6 @@ use crate::system::{Control, Geometry, Kind, Role, Schemes, State, System};
 const DIFFERENCES: Bound = Bound::AtMost(1e-10);
 /// What rounding leaves of one.
 const ROUNDING: Bound = Bound::AtMost(1e-12);
-
-/// The laws of a group, measured on the code that was generated for a system on it.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[non_exhaustive]
-pub struct Laws {
-    /// The system's name.
-    pub system: &'static str,
-    /// What was measured.
-    pub certificates: Vec<Certificate>,
-}
-
-impl Laws {
-    /// Whether no law is broken.
-    pub fn passed(&self) -> bool {
-        self.failures().next().is_none()
-    }
-
-    /// The laws that are broken.
-    pub fn failures(&self) -> impl Iterator<Item = &Certificate> {
-        self.certificates.iter().filter(|certificate| certificate.verdict == Verdict::Failed)
-    }
-
-    /// The law of this name.
-    pub fn certificate(&self, name: &str) -> Option<&Certificate> {
-        self.certificates.iter().find(|certificate| certificate.name == name)
-    }
-}
-
-impl core::fmt::Display for Laws {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        writeln!(f, "{}, its group", self.system)?;
-        table(f, &self.certificates)
-    }
-}
 
 /// Asserts that a group obeys the laws of Lie groups: the test of a group of your own, in one line.
 ///
@@ -118,7 +83,7 @@ macro_rules! assert_group_laws {
 ///
 /// # Errors
 /// If the parameters or the state are not valid.
-pub fn group_laws<S>(system: &S, state: &S::State) -> Result<Laws, CertifyError>
+pub fn group_laws<S>(system: &S, state: &S::State) -> Result<Report, CertifyError>
 where
     S: Geometry<Scalar = f64> + Schemes,
 {
@@ -131,12 +96,13 @@ where
     let state = state.to_components();
     let control = S::Control::default().to_components();
     let about = Neighbourhood::new(system, state.as_ref(), control.as_ref(), &kernel)?;
-    Ok(Laws { system: S::NAME, certificates: certificates(&about) })
+    let certificates = certificates(&about);
+    Ok(Report { system: S::NAME, scheme: None, properties: None, step: None, certificates })
 }
 
 /// The laws of the group of a free body, whose elements are displaced from the unit.
 #[doc(hidden)]
-pub fn group_laws_of<S>(body: &S) -> Result<Laws, CertifyError>
+pub fn group_laws_of<S>(body: &S) -> Result<Report, CertifyError>
 where
     S: Geometry<Scalar = f64> + Schemes,
 {

@@ -105,9 +105,9 @@ pub(super) fn certificates(subject: &Subject<'_>, scheme: &Claimed<'_>) -> Resul
     bench.geometry()?;
     Ok(Report {
         system: description.name,
-        scheme: scheme.name.clone(),
-        properties: scheme.properties,
-        step,
+        scheme: Some(scheme.name.clone()),
+        properties: Some(scheme.properties),
+        step: Some(step),
         certificates: bench.certificates,
     })
 }

@@ -77,9 +77,9 @@ use thiserror::Error;
 
 #[doc(hidden)]
 pub use around::Around;
+pub use laws::group_laws;
 #[doc(hidden)]
 pub use laws::group_laws_of;
-pub use laws::{Laws, group_laws};
 #[doc(hidden)]
 pub use measure::Claimed;
 #[doc(hidden)]

@@ -4,19 +4,19 @@ use core::fmt;
 
 use crate::schemes::Properties;
 
-/// Certificates of the steps of one scheme for one system.
+/// Certificates of the steps of one scheme for one system, or of the [laws](super::group_laws) of its group.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct Report {
     /// The system's name.
     pub system: &'static str,
-    /// The scheme's type.
-    pub scheme: String,
+    /// The scheme's type; none where the group is measured, as in the next two.
+    pub scheme: Option<String>,
     /// What the scheme promises.
-    pub properties: Properties,
+    pub properties: Option<Properties>,
     /// The step; the smallest, where the samples' motions ask for different ones.
-    pub step: f64,
+    pub step: Option<f64>,
     /// What was measured.
     pub certificates: Vec<Certificate>,
 }
@@ -104,13 +104,16 @@ impl fmt::Display for Verdict {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}, {}, step {:.3e}", self.system, self.scheme, self.step)?;
+        match (&self.scheme, self.step) {
+            (Some(scheme), Some(step)) => writeln!(f, "{}, {scheme}, step {step:.3e}", self.system)?,
+            _ => writeln!(f, "{}, its group", self.system)?,
+        }
         table(f, &self.certificates)
     }
 }
 
 /// Certificates as a table.
-pub(super) fn table(f: &mut fmt::Formatter<'_>, certificates: &[Certificate]) -> fmt::Result {
+fn table(f: &mut fmt::Formatter<'_>, certificates: &[Certificate]) -> fmt::Result {
     /// What fits beside the figures in 80 columns.
     const WIDEST: usize = 44;
     let width = certificates.iter().map(|c| c.name.chars().count()).max().unwrap_or_default();
