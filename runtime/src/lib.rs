@@ -97,7 +97,7 @@ mod solve;
 pub mod stepper;
 pub mod system;
 #[cfg(all(test, feature = "std"))]
-mod test_system;
+mod tests;
 mod tick;
 
 /// The front page: its code is compiled and run as a test.
