@@ -5,9 +5,9 @@ use nalgebra::{DMatrix, DVector};
 use super::CertifyError;
 use super::definition::{ReferenceStep, series};
 use super::frame::{Frame, derivative, larger, slope};
-use super::probe::KernelProbe;
+use super::probe::KernelPart;
 use super::report::{Bound, Certificate, Report, Verdict};
-use crate::erased::{Description, Geometry, Method, NotGenerated, check_length, length, of_only_lane};
+use crate::erased::{At, Description, Geometry, Method, NotGenerated, check_length, length, of_only_lane};
 use crate::error::{ParameterError, StepError};
 use crate::method::Clock;
 use crate::retraction::Map;
@@ -42,8 +42,8 @@ pub struct Claimed<'a> {
     pub definition: Option<Scheme>,
     /// Makes what takes steps of a length.
     pub method: &'a dyn Fn(f64) -> Result<Box<dyn Method<f64>>, NotGenerated>,
-    /// Shows the kernels of a step.
-    pub kernels: &'a dyn Fn(&mut KernelProbe<'_>, f64),
+    /// The kernel of an index from 0, of those that a step from there is made of, where the ones before it have led.
+    pub kernels: &'a dyn Fn(usize, &At<'_>) -> Option<KernelPart>,
 }
 
 /// States to measure at, each with its control, and how.
@@ -427,9 +427,8 @@ impl Sample<'_> {
     }
 
     fn correction(&self) -> Figure {
-        let parameters = self.system.parameters();
-        let at = (self.state, self.time, self.control);
-        Ok(KernelProbe::corrections(&parameters, at, |probe| (self.scheme.kernels)(probe, self.step)))
+        let at = At { step: self.step, state: self.state, time: self.time, control: self.control };
+        Ok(self.scheme.corrections(&at))
     }
 
     fn definition(&self) -> Figure {

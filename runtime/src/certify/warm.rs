@@ -5,8 +5,8 @@
 
 use super::frame::larger;
 use super::measure::{Figure, MeasureError, STEP, Sample};
-use super::probe::{KernelProbe, Rest, Solver, as_solver, by_all_ways};
-use crate::erased::Method;
+use super::probe::{Rest, Solver, as_solver, by_all_ways};
+use crate::erased::{At, Method};
 use crate::method::Clock;
 use crate::retraction::Map;
 use crate::stepper::check_step;
@@ -121,10 +121,8 @@ impl<'a, 'b> Warm<'a, 'b> {
 
     /// Where the step from `state` leads to in twice the digits.
     fn converged(&self, time: f64, control: &[f64], solver: Solver) -> Option<(Vec<f64>, Rest)> {
-        let (parameters, step) = (self.sample.system.parameters(), self.clock.step);
-        KernelProbe::end(&parameters, (&self.state, time, control), solver, |probe| {
-            (self.sample.scheme.kernels)(probe, step);
-        })
+        let at = At { step: self.clock.step, state: &self.state, time, control };
+        self.sample.scheme.end(&self.sample.system.parameters(), &at, solver)
     }
 
     /// Takes so many steps, all of them compared; whether all could be taken.

@@ -311,7 +311,6 @@ impl<S: system::System> Visitor<S> for OfEquations<'_> {
     where
         S: Generated<M>,
     {
-        let At { step, state, time, control } = *self.at;
-        equation::<S::Kernel<f64>>(self.parameters, step, state, time, control)
+        equation::<S::Kernel<f64>>(self.parameters, self.at)
     }
 }

@@ -193,7 +193,7 @@ fn what_holds_for_odd_retractions_fails_for_others() {
         properties: odd,
         definition: Some(SymplecticEulerA::<SecondKind>::scheme()),
         method: &certification.method::<SymplecticEulerA<SecondKind>>(),
-        kernels: &|_, _| {},
+        kernels: &|_, _| None,
     };
     let report = certification.run_as(&claimed).unwrap();
     let wrong: Vec<_> = report.failures().map(|certificate| certificate.name.as_str()).collect();
