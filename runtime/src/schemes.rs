@@ -11,7 +11,7 @@ use thiserror::Error;
 
 use crate::composition::{Coefficients, Composed, KahanLi6, KahanLi8, SofroniouSpaletta10, Suzuki4, checked};
 use crate::retraction::{Cayley, Exponential, Map, Retraction, SecondKind};
-use crate::scheme::{Family, RightLift, Rule, StormerVerlet, TangentLift};
+use crate::scheme::{Base, RightLift, Rule, StormerVerlet};
 use crate::system::Description;
 
 /// A scheme as a value: what [`Stepper`](crate::Stepper) has as a type.
@@ -91,15 +91,9 @@ macro_rules! bare {
 }
 bare!(Exponential, Cayley, SecondKind);
 
-impl<R: Retraction + 'static, const N: u32, const D: u32> SchemeType for Family<R, N, D> {
+impl<M: Base> SchemeType for M {
     fn scheme() -> Scheme {
-        Scheme::Step(R::MAP, Rule::Member(N, D))
-    }
-}
-
-impl<R: Retraction + 'static, const N: u32, const D: u32> SchemeType for TangentLift<R, N, D> {
-    fn scheme() -> Scheme {
-        Scheme::Step(R::MAP, Rule::TangentLift(N, D))
+        Scheme::Step(M::MAP, M::RULE)
     }
 }
 
@@ -356,7 +350,7 @@ fn without_paths(name: &str) -> String {
 mod tests {
     use super::*;
     use crate::composition::{Order4, Order10};
-    use crate::scheme::{Midpoint, SymplecticEulerA, SymplecticEulerB, TangentMidpoint};
+    use crate::scheme::{Family, Midpoint, SymplecticEulerA, SymplecticEulerB, TangentLift, TangentMidpoint};
 
     #[test]
     fn schemes_are_read_as_they_are_written() {

@@ -36,33 +36,34 @@ pub(super) fn slope(e: f64, curve: &dyn Fn(f64) -> DVector<f64>) -> DVector<f64>
 
 /// Momentum or an advected parameter: one number of the state, changed by one component of a tangent vector.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Linear {
+pub struct Linear {
     /// Its place in tangent vectors.
-    pub(super) tangent: usize,
+    pub tangent: usize,
     /// Its place in the state's array.
-    pub(super) component: usize,
+    pub component: usize,
 }
 
 /// What the components of states and tangent vectors are.
-pub(super) struct Frame<'a> {
+#[derive(Clone)]
+pub struct Frame<'a> {
     pub(super) system: &'a dyn Geometry,
     /// The places of the configurations' components in tangent vectors.
-    pub(super) configuration: Vec<usize>,
+    pub configuration: Vec<usize>,
     /// The momenta, in the order of the configurations' components that they belong to, then the advected parameters.
-    pub(super) linear: Vec<Linear>,
+    pub linear: Vec<Linear>,
     /// The places of the configurations in the state's array.
     stored: Vec<usize>,
     /// How far a component of a tangent vector leads to something else entirely.
-    pub(super) scale: Vec<f64>,
+    pub scale: Vec<f64>,
     /// The same for the components of states.
     weight: Vec<f64>,
     /// One over the time in which the motion leads to something else entirely; 0 at rest.
-    pub(super) rate: f64,
+    pub rate: f64,
 }
 
 impl<'a> Frame<'a> {
     /// `None` if the geometry is not that of the quantities which the state consists of.
-    pub(super) fn new(system: &'a dyn Geometry, first: &[f64], control: &[f64], time: f64) -> Option<Self> {
+    pub fn new(system: &'a dyn Geometry, first: &[f64], control: &[f64], time: f64) -> Option<Self> {
         let n = system.differential(first, time, control).len();
         let (mut configuration, mut stored, mut momenta, mut advected) =
             (Vec::new(), Vec::new(), Vec::new(), Vec::new());
@@ -170,7 +171,8 @@ impl<'a> Frame<'a> {
         unit
     }
 
-    pub(super) fn displace(&self, state: &[f64], map: Map, by: &[f64]) -> Vec<f64> {
+    /// The state, displaced.
+    pub fn displace(&self, state: &[f64], map: Map, by: &[f64]) -> Vec<f64> {
         self.system.displace(state, map, by)
     }
 
@@ -246,7 +248,7 @@ impl<'a> Frame<'a> {
 
     /// The places of the state's components, by blocks that have a unit in common: each quantity, but that a rigid motion and its momentum are of
     /// turns and of positions.
-    pub(super) fn blocks(&self) -> Vec<Vec<usize>> {
+    pub fn blocks(&self) -> Vec<Vec<usize>> {
         let mut blocks = Vec::new();
         let mut kind = Kind::Scalar;
         for (quantity, places) in Quantity::with_ranges(self.system.description().state) {

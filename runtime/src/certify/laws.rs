@@ -12,7 +12,7 @@ use super::frame::larger;
 use super::neighbourhood::{
     Basis, Carried, Degenerate, EvaluateKernel, Neighbourhood, Unknown, combined, exponential, function,
 };
-use super::report::{Bound, Certificate, Report, Verdict};
+use super::report::{Bound, Certificate, Report};
 use crate::erased::array;
 use crate::retraction::Map;
 use crate::scheme::Rule;
@@ -158,13 +158,8 @@ fn certificates(about: &Neighbourhood<'_>) -> Vec<Certificate> {
 
 /// A figure against its bound; what cannot be measured breaks the law.
 fn law(name: &str, bound: Bound, figure: Result<Option<f64>, Degenerate>) -> Certificate {
-    let verdict = match figure {
-        Ok(None) => Verdict::NotMeasured,
-        Ok(Some(figure)) if bound.holds(figure) => Verdict::Passed,
-        _ => Verdict::Failed,
-    };
-    let figure = figure.ok().flatten().unwrap_or(f64::NAN);
-    Certificate { name: name.to_owned(), figure, state: 0, bound: Some(bound), verdict }
+    let figure = figure.unwrap_or(Some(f64::NAN));
+    Certificate::new(name, figure.map(|figure| (figure, 0)), Some(bound))
 }
 
 impl Neighbourhood<'_> {

@@ -6,7 +6,7 @@ use super::CertifyError;
 use super::definition::{ReferenceStep, series};
 use super::frame::{Frame, derivative, larger, slope};
 use super::probe::KernelPart;
-use super::report::{Bound, Certificate, Report, Verdict};
+use super::report::{Bound, Certificate, Report};
 use crate::erased::{At, Description, Geometry, Method, NotGenerated, check_length, length, of_only_lane};
 use crate::error::{ParameterError, StepError};
 use crate::method::Clock;
@@ -204,14 +204,7 @@ impl<'a> Certifier<'a> {
                 worst = Some((figure, index));
             }
         }
-        let verdict = match (worst, bound) {
-            (None, _) => Verdict::NotMeasured,
-            (_, None) => Verdict::NotClaimed,
-            (Some((figure, _)), Some(bound)) if bound.holds(figure) => Verdict::Passed,
-            _ => Verdict::Failed,
-        };
-        let (figure, state) = worst.unwrap_or((f64::NAN, 0));
-        self.certificates.push(Certificate { name: name.to_owned(), figure, state, bound, verdict });
+        self.certificates.push(Certificate::new(name, worst, bound));
         Ok(())
     }
 }

@@ -63,7 +63,6 @@
 //! What belongs to the group, and not to a scheme, [`group_laws`] measures more closely, and [`assert_group_laws!`](crate::assert_group_laws) is the
 //! test of a group by itself.
 
-mod around;
 mod definition;
 mod frame;
 mod laws;
@@ -76,7 +75,7 @@ mod warm;
 use thiserror::Error;
 
 #[doc(hidden)]
-pub use around::Around;
+pub use frame::{Frame, Linear};
 pub use laws::group_laws;
 #[doc(hidden)]
 pub use laws::group_laws_of;

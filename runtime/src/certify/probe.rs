@@ -20,13 +20,8 @@ where
     (index == 0).then(|| (at.step, equation::<S::Kernel<f64>>(parameters.as_ref(), at)))
 }
 
-/// What is known of a state besides its numbers.
-pub(super) struct Rest {
-    /// What the numbers leave out.
-    pub(super) left: Vec<f64>,
-    /// What rounding may leave of each, all kernels together.
-    pub(super) allowed: Vec<f64>,
-}
+/// The numbers of a state with what they leave out, and what rounding may leave of each, all kernels together.
+pub(super) type End = ([Vec<f64>; 2], Vec<f64>);
 
 /// Solves an equation in twice the digits.
 pub(super) type Solver = fn(&mut Trial<'_>) -> Option<Solved>;
@@ -52,7 +47,7 @@ impl Claimed<'_> {
 
     /// The state after a step, its kernels in turns. None if there are no kernels, or one's equation could not be
     /// solved.
-    pub(super) fn end(&self, parameters: &[f64], at: &At<'_>, solver: Solver) -> Option<(Vec<f64>, Rest)> {
+    pub(super) fn end(&self, parameters: &[f64], at: &At<'_>, solver: Solver) -> Option<End> {
         let (mut state, mut time, mut kernels) = (at.state.to_vec(), at.time, 0);
         let (mut left, mut allowed) = (vec![0.0; state.len()], vec![0.0; state.len()]);
         while let Some((step, equation)) = (self.kernels)(kernels, &At { state: &state, time, ..*at }) {
@@ -68,7 +63,7 @@ impl Claimed<'_> {
         if matches!(self.definition, Some(Scheme::RightLift(_))) {
             allowed.iter_mut().zip(&state).for_each(|(sum, x)| *sum += CARRIED * f64::EPSILON * x.abs());
         }
-        (kernels > 0).then_some((state, Rest { left, allowed }))
+        (kernels > 0).then_some(([state, left], allowed))
     }
 }
 

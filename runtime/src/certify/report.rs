@@ -64,6 +64,20 @@ pub enum Verdict {
     NotMeasured,
 }
 
+impl Certificate {
+    /// A figure against its bound, with the state that it belongs to; none if there was nothing to measure.
+    pub(super) fn new(name: &str, worst: Option<(f64, usize)>, bound: Option<Bound>) -> Self {
+        let verdict = match (worst, bound) {
+            (None, _) => Verdict::NotMeasured,
+            (_, None) => Verdict::NotClaimed,
+            (Some((figure, _)), Some(bound)) if bound.holds(figure) => Verdict::Passed,
+            _ => Verdict::Failed,
+        };
+        let (figure, state) = worst.unwrap_or((f64::NAN, 0));
+        Self { name: name.to_owned(), figure, state, bound, verdict }
+    }
+}
+
 impl Bound {
     /// Whether a figure keeps to it; what is not a number does not.
     pub fn holds(self, figure: f64) -> bool {

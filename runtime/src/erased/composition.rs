@@ -6,7 +6,7 @@ use std::vec::Vec;
 
 use super::system::System;
 use crate::flat::{Method, NotGenerated};
-use crate::method::{Clock, Counted, StageAccumulator, StepsReport};
+use crate::method::{Counted, StageAccumulator};
 use crate::retraction::Map;
 use crate::scalar::Batch;
 use crate::scheme::Rule;
@@ -120,10 +120,6 @@ impl<T: Batch> Method<T> for Composition<T> {
         }
         self.whole = true;
         accumulator.outcome()
-    }
-
-    fn advance_n(&mut self, _: &mut [T], _: Clock, _: &[T], _: u64) -> StepsReport<T> {
-        StepsReport::default()
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {

@@ -7,7 +7,7 @@ use std::vec::Vec;
 use super::system::{At, Geometry, System, length};
 use crate::error::StepError;
 use crate::flat::Method;
-use crate::method::{Clock, Counted, StepsReport};
+use crate::method::Counted;
 use crate::retraction::Map;
 use crate::system::{Quantity, Role};
 
@@ -79,9 +79,6 @@ pub(super) struct ByFunction {
 }
 
 impl Method<f64> for ByFunction {
-    // there is but one member
-    fn rebuild(&mut self, _: &[f64], _: f64) {}
-
     fn advance(
         &mut self,
         state: &[f64],
@@ -95,10 +92,6 @@ impl Method<f64> for ByFunction {
             Ok(_) => Err([Some(StepError::NotFinite)]),
             Err(error) => Err([Some(error)]),
         }
-    }
-
-    fn advance_n(&mut self, _: &mut [f64], _: Clock, _: &[f64], _: u64) -> StepsReport<f64> {
-        StepsReport::default()
     }
 
     // it remembers nothing

@@ -52,7 +52,7 @@ pub use jacobian::{Jacobian, JacobianError};
 pub use stepper::{Stepper, StepperError};
 pub use system::{At, EnsembleSystem, System};
 #[doc(hidden)]
-pub use trial::{Solved, Trial, Units};
+pub use trial::{Solved, Trial, Units, units};
 
 pub(crate) use crate::flat::{array, of_only_lane};
 pub(crate) use composition::method;

@@ -333,14 +333,7 @@ impl Stepper {
                 let advanced = method(&mut self.method).advance_n(&mut self.left, clock, control, most);
                 batches = advanced.steps > 0;
                 self.taken += advanced.steps;
-                report.add(&RunReport {
-                    steps: advanced.steps,
-                    stopped: false,
-                    // of the only lane
-                    iterations: advanced.iterations.iter().sum(),
-                    max_iterations: advanced.max_iterations.iter().sum(),
-                    max_residual: advanced.max_residual,
-                });
+                report.add_steps(&advanced);
             }
             if report.steps == count {
                 break Ok(());

@@ -193,7 +193,8 @@ where
     }
 
     fn method(&self, map: Map, rule: Rule, step: f64) -> Option<Box<dyn Method<f64>>> {
-        S::visit(map, rule, OfNumbers { parameters: self.to_parameters().as_ref(), step })
+        let parameters = self.to_parameters();
+        S::visit(map, rule, OfMethods::<f64, true> { parameters: parameters.as_ref(), step }).flatten()
     }
 
     fn linearization(&self, map: Map, rule: Rule, at: &At<'_>) -> Option<Result<Linearization, StepError>> {
@@ -238,27 +239,6 @@ const fn is_taken_together<S: system::System>(map: Map, rule: Rule) -> bool {
     S::INVARIANT && map.is_matrix_function() && is_standard::<S>(rule)
 }
 
-/// Steps of one state.
-struct OfNumbers<'a> {
-    parameters: &'a [f64],
-    step: f64,
-}
-
-impl<S: system::System> Visitor<S> for OfNumbers<'_> {
-    type Output = Box<dyn Method<f64>>;
-
-    fn visit<M: Base>(self) -> Self::Output
-    where
-        S: Generated<M>,
-    {
-        if const { is_taken_together::<S>(M::MAP, M::RULE) } {
-            Flat::<OneStep<f64, S::Kernel<f64>>, true>::boxed(self.parameters, self.step)
-        } else {
-            Flat::<OneStep<f64, S::Kernel<f64>>, false>::boxed(self.parameters, self.step)
-        }
-    }
-}
-
 /// The standard step on the Cayley map, of states side by side.
 struct Standard<S>(PhantomData<fn() -> S>);
 
@@ -266,19 +246,20 @@ impl<S: Schemes> Builder for Standard<S> {
     type Error = ();
 
     fn method<T: Batch>(&self, parameters: &[T], step: T) -> Result<Box<dyn Method<T>>, ()> {
-        let mut generated =
-            |map, rule, step| S::visit(map, rule, OfLanes { parameters, step }).flatten().ok_or(());
+        let mut generated = |map, rule, step| {
+            S::visit(map, rule, OfMethods::<T, false> { parameters, step }).flatten().ok_or(())
+        };
         composed(&Scheme::Standard(Map::Cayley), S::INVARIANT, step, &mut generated)
     }
 }
 
-/// Steps of states side by side.
-struct OfLanes<'a, T> {
+/// Steps, of one state or of several side by side; all of them, or those alone that the [`Standard`] one is made of.
+struct OfMethods<'a, T, const ALL: bool> {
     parameters: &'a [T],
     step: T,
 }
 
-impl<T: Batch, S: system::System> Visitor<S> for OfLanes<'_, T> {
+impl<T: Batch, S: system::System, const ALL: bool> Visitor<S> for OfMethods<'_, T, ALL> {
     type Output = Option<Box<dyn Method<T>>>;
 
     fn visit<M: Base>(self) -> Self::Output
@@ -286,15 +267,14 @@ impl<T: Batch, S: system::System> Visitor<S> for OfLanes<'_, T> {
         S: Generated<M>,
     {
         // what is not asked for is not compiled
-        if const { !(matches!(M::MAP, Map::Cayley) && is_standard::<S>(M::RULE)) } {
+        if const { !ALL && !(matches!(M::MAP, Map::Cayley) && is_standard::<S>(M::RULE)) } {
             return None;
         }
-        // one by one, the same that a stepper takes
-        if const { T::LANES > 1 || is_taken_together::<S>(M::MAP, M::RULE) } {
-            Some(Flat::<OneStep<T, S::Kernel<T>>, true>::boxed(self.parameters, self.step))
+        Some(if const { T::LANES > 1 || is_taken_together::<S>(M::MAP, M::RULE) } {
+            Flat::<OneStep<T, S::Kernel<T>>, true>::boxed(self.parameters, self.step)
         } else {
-            Some(Flat::<OneStep<T, S::Kernel<T>>, false>::boxed(self.parameters, self.step))
-        }
+            Flat::<OneStep<T, S::Kernel<T>>, false>::boxed(self.parameters, self.step)
+        })
     }
 }
 
