@@ -12,9 +12,9 @@ use crate::system::{Generated, System};
 pub type KernelPart = (f64, Box<dyn Equation>);
 
 /// Makes the equation of a step that is one generated kernel.
-pub fn kernel<S: Generated<M>, M>(system: &S, index: usize, at: &At<'_>) -> Option<KernelPart>
+pub fn kernel<S, M>(system: &S, index: usize, at: &At<'_>) -> Option<KernelPart>
 where
-    S: System<Scalar = f64>,
+    S: Generated<M> + System<Scalar = f64>,
 {
     let parameters = system.to_parameters();
     (index == 0).then(|| (at.step, equation::<S::Kernel<f64>>(parameters.as_ref(), at)))
