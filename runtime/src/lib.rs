@@ -203,7 +203,7 @@ pub mod __private {
     pub use crate::kernel::{Blocks, Evaluation, Kernel, Program};
     pub use crate::legendre::{finite, newton};
     pub use crate::method::{Method, Outcome};
-    pub use crate::retraction::Map;
+    pub use crate::retraction::RetractionKind;
     pub use crate::scalar::stumpff::family;
     pub use crate::scalar::{Batch, Components, Scalar};
     pub use crate::scheme::{Family, Rule, StormerVerlet, TangentLift};

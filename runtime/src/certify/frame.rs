@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::erased::Geometry;
-use crate::retraction::Map;
+use crate::retraction::RetractionKind;
 use crate::system::{Kind, Quantity, Role};
 
 /// The larger of two numbers; not-a-number if one is.
@@ -82,7 +82,7 @@ impl<'a> Frame<'a> {
         let is_whole = !configuration.is_empty()
             && momenta.len() == configuration.len()
             && configuration.len() + momenta.len() + advected.len() == n
-            && system.displace(first, Map::Exponential, &vec![0.0; n]).len() == first.len();
+            && system.displace(first, RetractionKind::Exponential, &vec![0.0; n]).len() == first.len();
         if !is_whole {
             return None;
         }
@@ -135,7 +135,7 @@ impl<'a> Frame<'a> {
         let motion = self.motion(state, time, control);
         // of a body at rest, how fast it is going to be is in the velocity's change
         let change = slope(1e-4 / (1.0 + motion.amax()), &|at| {
-            let there = self.displace(state, Map::Exponential, (&motion * at).as_slice());
+            let there = self.displace(state, RetractionKind::Exponential, (&motion * at).as_slice());
             self.motion(&there, time + at, control)
         });
         let rates = self
@@ -152,7 +152,7 @@ impl<'a> Frame<'a> {
         let change = slope(1e-3 * size, &|at| {
             let mut by = vec![0.0; self.scale.len()];
             by[tangent] = at;
-            self.motion(&self.displace(state, Map::Exponential, &by), time, control)
+            self.motion(&self.displace(state, RetractionKind::Exponential, &by), time, control)
         });
         let rates = self.configuration.iter().map(|&i| (change[i] / self.scale[i]).abs());
         let gentle = self.rate / rates.fold(0.0, f64::max);
@@ -172,7 +172,7 @@ impl<'a> Frame<'a> {
     }
 
     /// The state, displaced.
-    pub fn displace(&self, state: &[f64], map: Map, by: &[f64]) -> Vec<f64> {
+    pub fn displace(&self, state: &[f64], map: RetractionKind, by: &[f64]) -> Vec<f64> {
         self.system.displace(state, map, by)
     }
 
@@ -238,7 +238,7 @@ impl<'a> Frame<'a> {
     }
 
     /// The state with its configurations displaced.
-    pub(super) fn moved(&self, state: &[f64], map: Map, by: &DVector<f64>) -> Vec<f64> {
+    pub(super) fn moved(&self, state: &[f64], map: RetractionKind, by: &DVector<f64>) -> Vec<f64> {
         let mut tangent = vec![0.0; self.dimension()];
         for (&i, by) in self.configuration.iter().zip(by.iter()) {
             tangent[i] = *by;
@@ -275,7 +275,7 @@ impl<'a> Frame<'a> {
     }
 
     /// The derivative of a configuration's stored numbers by its displacement, at the displacement `by`.
-    fn basis_at(&self, state: &[f64], map: Map, by: &DVector<f64>) -> DMatrix<f64> {
+    fn basis_at(&self, state: &[f64], map: RetractionKind, by: &DVector<f64>) -> DMatrix<f64> {
         let columns: Vec<_> = (0..self.configuration.len())
             .map(|k| {
                 slope(1e-2 * self.scale[self.configuration[k]], &|at| {
@@ -289,7 +289,7 @@ impl<'a> Frame<'a> {
     }
 
     fn basis(&self, state: &[f64]) -> DMatrix<f64> {
-        self.basis_at(state, Map::Exponential, &DVector::zeros(self.configuration.len()))
+        self.basis_at(state, RetractionKind::Exponential, &DVector::zeros(self.configuration.len()))
     }
 
     /// The tangent vectors at a state that change its stored numbers like this.
@@ -311,7 +311,7 @@ impl<'a> Frame<'a> {
     pub(super) fn logarithmic_derivative(
         &self,
         state: &[f64],
-        map: Map,
+        map: RetractionKind,
         by: &DVector<f64>,
     ) -> Option<DMatrix<f64>> {
         let change = self.basis_at(state, map, by);

@@ -14,7 +14,7 @@ use super::neighbourhood::{
 };
 use super::report::{Bound, Certificate, Report};
 use crate::erased::array;
-use crate::retraction::Map;
+use crate::retraction::RetractionKind;
 use crate::scheme::Rule;
 use crate::system::{Control, Geometry, Kind, Role, Schemes, State, System};
 
@@ -122,7 +122,7 @@ where
 }
 
 /// What measures a law of a retraction at an element of the algebra; nothing if there is nothing to measure.
-type Law<'a> = fn(&Neighbourhood<'a>, Map, &DVector<f64>) -> Result<Option<f64>, Degenerate>;
+type Law<'a> = fn(&Neighbourhood<'a>, RetractionKind, &DVector<f64>) -> Result<Option<f64>, Degenerate>;
 
 /// The laws of the algebra, then those of each retraction that there are steps with.
 fn certificates(about: &Neighbourhood<'_>) -> Vec<Certificate> {
@@ -142,7 +142,11 @@ fn certificates(about: &Neighbourhood<'_>) -> Vec<Certificate> {
         ("spaces", DIFFERENCES, Neighbourhood::spaces),
         ("Casimirs", ROUNDING, Neighbourhood::casimirs),
     ];
-    let maps = [(Map::Exponential, "exponential"), (Map::Cayley, "Cayley"), (Map::SecondKind, "second kind")];
+    let maps = [
+        (RetractionKind::Exponential, "exponential"),
+        (RetractionKind::Cayley, "Cayley"),
+        (RetractionKind::SecondKind, "second kind"),
+    ];
     for (map, name) in maps {
         if about.has(map) {
             certificates.extend(laws.iter().map(|(of, bound, measure)| {
@@ -202,7 +206,7 @@ impl Neighbourhood<'_> {
 
     /// `g τ(x)` of a kernel is that of displacements, and `g f(X)` where elements are matrices. In coordinates of the second kind it is that of the
     /// exponential along one axis after the other.
-    fn definition(&self, map: Map, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
+    fn definition(&self, map: RetractionKind, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
         let there = self.frame.moved(&self.state, map, x);
         let mut worst = match self.unknown(map, x)? {
             Some(Unknown::Of { unknown, .. }) => {
@@ -213,8 +217,9 @@ impl Neighbourhood<'_> {
             _ => None,
         };
         if !map.is_matrix_function() {
-            let along =
-                |state: Vec<f64>, i: usize| self.frame.moved(&state, Map::Exponential, &self.axis(i, x[i]));
+            let along = |state: Vec<f64>, i: usize| {
+                self.frame.moved(&state, RetractionKind::Exponential, &self.axis(i, x[i]))
+            };
             let (first, last) = (0..x.len(), (0..x.len()).rev());
             // what stands last in `τ` acts first where the group acts from the other side
             let [first, last] = [first.fold(self.state.clone(), along), last.fold(self.state.clone(), along)]
@@ -231,12 +236,12 @@ impl Neighbourhood<'_> {
         Ok(worst)
     }
 
-    fn on_the_group(&self, map: Map, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
+    fn on_the_group(&self, map: RetractionKind, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
         Ok(Some(self.frame.system.deviation(&self.frame.moved(&self.state, map, x))))
     }
 
     /// `τ(−x) = τ(x)⁻¹`, of what is odd.
-    fn inverse(&self, map: Map, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
+    fn inverse(&self, map: RetractionKind, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
         if !map.is_matrix_function() {
             return Ok(None);
         }
@@ -245,8 +250,8 @@ impl Neighbourhood<'_> {
     }
 
     /// `dR exp_x = φ₁(ad_x)`
-    fn series(&self, map: Map, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
-        if map != Map::Exponential {
+    fn series(&self, map: RetractionKind, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
+        if map != RetractionKind::Exponential {
             return Ok(None);
         }
         let n = self.dimension();
@@ -258,7 +263,7 @@ impl Neighbourhood<'_> {
     }
 
     /// `(dR τ_x)* m` of a kernel is that of the differences of displacements.
-    fn derivative(&self, map: Map, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
+    fn derivative(&self, map: RetractionKind, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
         let Some(Unknown::Of { factor, unknown }) = self.unknown(map, x)? else { return Ok(None) };
         let right = |state: &[f64]| Ok(DVector::from_vec(self.value(map, state, &unknown)?.right));
         let inverse = factor.transpose().try_inverse().ok_or(Degenerate)?;
@@ -267,7 +272,7 @@ impl Neighbourhood<'_> {
     }
 
     /// `Ad_{τ(x)} = exp ad_z`, where `τ(x) = exp z`.
-    fn adjoint_action(&self, map: Map, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
+    fn adjoint_action(&self, map: RetractionKind, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
         let n = self.dimension();
         let ad = self.frame.coadjoint(&self.state, &self.zero_padded(&self.logarithm(map, x)?)).transpose();
         let expected = exponential(&ad.view((0, 0), (n, n)).into_owned());
@@ -275,7 +280,7 @@ impl Neighbourhood<'_> {
     }
 
     /// `Ad*_{τ(x)} m` of a kernel is dual to `Ad_{τ(x)}`, and `Ad*_{τ(x)} m = m + ad*_x (dR τ_x)* m` where `τ` is equivariant.
-    fn coadjoint_action(&self, map: Map, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
+    fn coadjoint_action(&self, map: RetractionKind, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
         let n = self.dimension();
         let Some(Carried { x, before, after }) = self.carried(map, x)? else { return Ok(None) };
         let expected = self.adjoint(map, &x)?.transpose();
@@ -290,7 +295,7 @@ impl Neighbourhood<'_> {
     }
 
     /// Advected parameters are carried along by the exponential of the action of `z`, where `τ(x) = exp z`.
-    fn spaces(&self, map: Map, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
+    fn spaces(&self, map: RetractionKind, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
         let (n, all) = (self.dimension(), self.frame.linear.len());
         let Some(Unknown::Of { unknown, .. }) = self.unknown(map, x)? else { return Ok(None) };
         if all == n {
@@ -305,7 +310,7 @@ impl Neighbourhood<'_> {
     }
 
     /// Casimirs are constant along the coadjoint action.
-    fn casimirs(&self, map: Map, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
+    fn casimirs(&self, map: RetractionKind, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
         let next = match self.unknown(map, x)? {
             Some(Unknown::Of { unknown, .. }) if self.is_invariant => {
                 self.value(map, &self.state, &unknown)?.next

@@ -8,7 +8,7 @@ use super::measure::{Figure, MeasureError, STEP, Sample};
 use super::probe::{End, Solver, as_solver, by_all_ways};
 use crate::erased::{At, Method, units};
 use crate::method::Clock;
-use crate::retraction::Map;
+use crate::retraction::RetractionKind;
 use crate::stepper::check_step;
 use crate::system::Quantity;
 
@@ -146,7 +146,7 @@ impl Sample<'_> {
             warm.all(self.control, AFTER)?;
             let n = self.frame.dimension();
             let by: Vec<f64> = (0..n).map(|i| AWAY * self.frame.scale[i] * noise(n * restart + i)).collect();
-            warm.state = self.frame.displace(self.state, Map::Exponential, &by);
+            warm.state = self.frame.displace(self.state, RetractionKind::Exponential, &by);
             warm.is_known = false;
         }
         warm.all(self.control, AFTER)?;

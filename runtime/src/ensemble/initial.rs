@@ -1,6 +1,6 @@
 //! Random states to start from.
 
-use crate::retraction::Map;
+use crate::retraction::RetractionKind;
 use crate::scalar::Scalar;
 use crate::system::Geometry;
 
@@ -79,7 +79,7 @@ fn drawn<S: Geometry>(
         for component in by.as_mut() {
             *component = *component * S::Scalar::of(number(&mut random));
         }
-        system.displace(&about, Map::Exponential, &by)
+        system.displace(&about, RetractionKind::Exponential, &by)
     }
 }
 

@@ -7,7 +7,7 @@ use std::vec::Vec;
 use super::system::System;
 use crate::flat::{Method, NotGenerated};
 use crate::method::{Counted, StageAccumulator};
-use crate::retraction::Map;
+use crate::retraction::RetractionKind;
 use crate::scalar::Batch;
 use crate::scheme::Rule;
 use crate::schemes::Scheme;
@@ -39,7 +39,7 @@ pub(super) fn composed<T: Batch, E>(
     scheme: &Scheme,
     invariant: bool,
     step: T,
-    generated: &mut dyn FnMut(Map, Rule, T) -> Result<Box<dyn Method<T>>, E>,
+    generated: &mut dyn FnMut(RetractionKind, Rule, T) -> Result<Box<dyn Method<T>>, E>,
 ) -> Result<Box<dyn Method<T>>, E> {
     match scheme.resolved(invariant) {
         Scheme::Step(map, rule) => generated(map, rule, step),

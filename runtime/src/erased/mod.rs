@@ -41,7 +41,7 @@ pub use crate::ensemble::members::MemberLaw;
 pub use crate::flat::NotGenerated;
 #[doc(hidden)]
 pub use crate::flat::{Flat, Method};
-pub use crate::retraction::Map;
+pub use crate::retraction::RetractionKind;
 pub use crate::system::Description;
 pub use ensemble::Ensemble;
 #[doc(hidden)]

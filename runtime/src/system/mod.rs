@@ -18,7 +18,7 @@ use crate::error::ParameterError;
 use crate::kernel::Kernel;
 use crate::legendre::LegendreError;
 use crate::method::{AdjointPair, Method};
-use crate::retraction::{Cayley, Exponential, Map, SecondKind};
+use crate::retraction::{Cayley, Exponential, RetractionKind, SecondKind};
 use crate::scalar::{Batch, Components, Real, Scalar};
 use crate::scheme::{Base, Family, Rule, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift};
 use crate::solve::step::OneStep;
@@ -391,7 +391,7 @@ pub trait Retracted<R>: System {
 pub trait Schemes: System {
     /// Shows the visitor the type that stands for a generated step; none if it was not generated.
     #[doc(hidden)]
-    fn visit<V: Visitor<Self>>(map: Map, rule: Rule, visitor: V) -> Option<V::Output>;
+    fn visit<V: Visitor<Self>>(map: RetractionKind, rule: Rule, visitor: V) -> Option<V::Output>;
 }
 
 /// Makes something of a generated step of the system `S`.

@@ -4,7 +4,7 @@
 use coadjoint::composition::{Order4, Order10};
 mod described;
 
-use coadjoint::__private::{Geometry, Map};
+use coadjoint::__private::{Geometry, RetractionKind};
 use coadjoint::derivative::{
     Adjoint, CheckpointedTape, Dense, Derives, Linearizable, Parts, Perturbation, Tangent, WrtControl,
     WrtParameters, WrtState,
@@ -199,7 +199,7 @@ fn sample<S: Example>(random: &mut Random) -> (S, S::State, S::Control) {
     }
     assert_eq!(zero.as_ref().len(), sizes.len());
     let by: S::Tangent = array(|i| sizes[i] * random.between(-1.0, 1.0));
-    let state = system.displace(&start, Map::Exponential, &by);
+    let state = system.displace(&start, RetractionKind::Exponential, &by);
     let control = control.to_components();
     let control: <S::Control as Control>::Components =
         array(|i| control.as_ref()[i] + random.between(-0.5, 0.5));
@@ -530,7 +530,7 @@ fn groups_of_matrices_have_derivatives_too() {
         (system, state, the_same)
     }
     fn displaced<S: Geometry<Scalar = f64>>(system: &S, state: &S::State, by: &[f64]) -> S::State {
-        system.displace(state, Map::Exponential, &array(|i| by[i]))
+        system.displace(state, RetractionKind::Exponential, &array(|i| by[i]))
     }
     use described::{AffineBody, FourDimensionalBody, Navigation, ThreeLevelAtom};
     let (body, start, control) = known::<FourDimensionalBody, four_dimensional_body::FourDimensionalBody>();

@@ -7,7 +7,7 @@ use std::sync::atomic::Ordering::Relaxed;
 
 use coadjoint::__private::OneStep;
 use coadjoint::__private::{Batch, Scalar};
-use coadjoint::__private::{Geometry, Map};
+use coadjoint::__private::{Geometry, RetractionKind};
 use coadjoint::__private::{Method, Outcome};
 use coadjoint::certify;
 use coadjoint::certify::{
@@ -622,7 +622,7 @@ impl Generated<Midpoint> for Bent {
 impl LinearizedSchemes for Bent {}
 
 impl Schemes for Bent {
-    fn visit<V: Visitor<Self>>(_: Map, _: Rule, visitor: V) -> Option<V::Output> {
+    fn visit<V: Visitor<Self>>(_: RetractionKind, _: Rule, visitor: V) -> Option<V::Output> {
         let less = |left: usize| left.checked_sub(1);
         LEFT.fetch_update(Relaxed, Relaxed, less).is_ok().then(|| visitor.visit::<Midpoint>())
     }
@@ -633,7 +633,7 @@ fn a_step_that_vanishes_is_an_error() {
     let (good, states) = body();
     let bent = Bent::new(good);
     let states: Vec<_> = states.iter().map(|state| state.to_components().to_vec()).collect();
-    let scheme = Scheme::member(Map::Exponential, 1, 2);
+    let scheme = Scheme::member(RetractionKind::Exponential, 1, 2);
     for left in [0, 1, 2, 10, 100] {
         LEFT.store(left, Relaxed);
         let error = certify_erased(&bent, &scheme, &states, &[], None).unwrap_err();

@@ -4,7 +4,7 @@
 
 use coadjoint::__private::{Geometry, Isolated};
 use coadjoint::certify::{Certification, Claimed, Report, Verdict};
-use coadjoint::erased::{Description, Map, NotGenerated};
+use coadjoint::erased::{Description, NotGenerated, RetractionKind};
 use coadjoint::prelude::*;
 use coadjoint::{
     Discretized, Family, RightLift, Scheme, SchemeType, SecondKind, System, TangentLift, TangentMidpoint,
@@ -224,8 +224,8 @@ fn the_ends_of_the_family_are_adjoints_of_each_other() {
 
     let verlet = step::<StormerVerlet<SecondKind>, _>(&body, 0.1, state);
     assert_eq!(step::<SecondKind, _>(&body, 0.1, state), verlet);
-    let scheme = Scheme::Standard(Map::SecondKind);
-    assert_eq!(scheme.resolved(true), Scheme::StormerVerlet(Map::SecondKind));
+    let scheme = Scheme::Standard(RetractionKind::SecondKind);
+    assert_eq!(scheme.resolved(true), Scheme::StormerVerlet(RetractionKind::SecondKind));
     let mut components = coadjoint::State::to_components(&state);
     erased::Stepper::new(erased::System::with_parameters(&body, &[]), &scheme, 0.1)
         .unwrap()
@@ -245,7 +245,7 @@ fn without_being_asked_for_there_is_none() {
     let plain = Plain { inertia: vector![1.0, 2.0, 2.5] };
     let error = erased::Stepper::new(
         erased::System::with_parameters(&plain, &[]),
-        &Scheme::Standard(Map::SecondKind),
+        &Scheme::Standard(RetractionKind::SecondKind),
         0.1,
     )
     .unwrap_err();
@@ -254,7 +254,7 @@ fn without_being_asked_for_there_is_none() {
     assert!(
         erased::Stepper::new(
             erased::System::with_parameters(&plain, &[]),
-            &Scheme::Standard(Map::Cayley),
+            &Scheme::Standard(RetractionKind::Cayley),
             0.1
         )
         .is_ok()

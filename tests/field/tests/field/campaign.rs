@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use coadjoint::State;
 use coadjoint::certify::{Frame, Linear};
-use coadjoint::erased::{At, Map, Solved, System, Trial, Units, units};
+use coadjoint::erased::{At, RetractionKind, Solved, System, Trial, Units, units};
 use coadjoint::error::StepError;
 use coadjoint::scheme::Rule;
 use coadjoint_support::random::Random;
@@ -324,7 +324,7 @@ fn moved(around: &Frame<'_>, state: &[f64], by: impl FnMut(usize) -> f64) -> Vec
     for (&i, by) in around.configuration.iter().zip(by) {
         tangent[i] = by * around.scale[i];
     }
-    around.displace(state, Map::Exponential, &tangent)
+    around.displace(state, RetractionKind::Exponential, &tangent)
 }
 
 /// One over the time in which the motion from a state leads to something else entirely.
@@ -444,7 +444,12 @@ impl Tally {
     }
 }
 
-fn tried(draw: &Draw, blocks: &[Vec<usize>], (map, rule): (Map, Rule), name: &str) -> Option<Tally> {
+fn tried(
+    draw: &Draw,
+    blocks: &[Vec<usize>],
+    (map, rule): (RetractionKind, Rule),
+    name: &str,
+) -> Option<Tally> {
     let Draw { kind, system, state, control, time, step, then: most } = draw;
     let mut tally = Tally::default();
     let mut method = system.method(map, rule, *step)?;
@@ -490,7 +495,7 @@ fn campaign(subjects: &[Subject]) {
     for subject in subjects {
         let mut of_system = Tally::default();
         let mut by_kind: BTreeMap<Kind, Tally> = BTreeMap::new();
-        for (m, map) in Map::ALL.into_iter().enumerate() {
+        for (m, map) in RetractionKind::ALL.into_iter().enumerate() {
             for (r, rule) in RULES.into_iter().enumerate() {
                 if subject.system.method(map, rule, 1.0).is_none() {
                     continue;
