@@ -5,7 +5,7 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use coadjoint::erased::{self, Map};
+use coadjoint::erased::{self, RetractionKind};
 #[cfg(test)]
 use coadjoint::system::Kind;
 use coadjoint::system::{Quantity, Role};
@@ -189,7 +189,7 @@ fn basis(
     let displaced = |k: usize, by: f64| {
         let mut along = vec![0.0; length];
         along[k] = by;
-        let state = system.displace(&unit, Map::Exponential, &along);
+        let state = system.displace(&unit, RetractionKind::Exponential, &along);
         DMatrix::from_row_slice(rows, rows, &state[slots.clone()])
     };
     let element = |k| (displaced(k, STEP) - displaced(k, -STEP)) / (2.0 * STEP);

@@ -11,7 +11,7 @@ mod scan;
 mod spread;
 mod transport;
 
-use coadjoint::erased::{self, Map};
+use coadjoint::erased::{self, RetractionKind};
 use coadjoint::{ParameterError, Scheme};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
@@ -67,11 +67,11 @@ impl Retraction {
         }
     }
 
-    pub(crate) fn map(self) -> Map {
+    pub(crate) fn map(self) -> RetractionKind {
         match self {
-            Retraction::Exponential => Map::Exponential,
-            Retraction::Cayley => Map::Cayley,
-            Retraction::SecondKind => Map::SecondKind,
+            Retraction::Exponential => RetractionKind::Exponential,
+            Retraction::Cayley => RetractionKind::Cayley,
+            Retraction::SecondKind => RetractionKind::SecondKind,
         }
     }
 }

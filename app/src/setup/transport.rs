@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use coadjoint::erased::{self, Map};
+use coadjoint::erased::{self, RetractionKind};
 use coadjoint::system::{Quantity, Role};
 use nalgebra::{Complex, DMatrix, DVector, Quaternion, UnitQuaternion};
 
@@ -40,7 +40,7 @@ fn length(places: &[Place]) -> usize {
 
 /// Displaces a state by a tangent vector that moves nothing but configurations, and turns what is advected along.
 pub(super) fn displace(system: &dyn erased::System, state: &[f64], by: &[f64]) -> Vec<f64> {
-    let mut displaced = system.displace(state, Map::Exponential, by);
+    let mut displaced = system.displace(state, RetractionKind::Exponential, by);
     carry(system, &mut displaced, by);
     displaced
 }

@@ -49,7 +49,7 @@ pub(super) fn schemes(names: &Names, steps: &[StepProgram]) -> TokenStream {
             let Scheme { retraction, rule } = scheme;
             let [map, named] = [retraction.name(), rule.method.rule].map(|name| format_ident!("{name}"));
             let s = fraction(rule.member);
-            quote! { (#private::Map::#map, #private::Rule::#named(#s)) }
+            quote! { (#private::RetractionKind::#map, #private::Rule::#named(#s)) }
         });
         quote! { #(#patterns)|* }
     };
@@ -72,7 +72,7 @@ pub(super) fn schemes(names: &Names, steps: &[StepProgram]) -> TokenStream {
         quote! {
             #[inline]
             fn visit_linearized<V: #private::LinearizedVisitor<Self>>(
-                map: #private::Map,
+                map: #private::RetractionKind,
                 rule: #private::Rule,
                 visitor: V,
             ) -> ::core::option::Option<V::Output> {
@@ -95,7 +95,7 @@ pub(super) fn schemes(names: &Names, steps: &[StepProgram]) -> TokenStream {
         impl #private::Schemes for #system {
             #[inline]
             fn visit<V: #private::Visitor<Self>>(
-                map: #private::Map,
+                map: #private::RetractionKind,
                 rule: #private::Rule,
                 visitor: V,
             ) -> ::core::option::Option<V::Output> {
