@@ -1,9 +1,10 @@
 //! Jacobians of steps at states drawn to cancel: finite, and those of differences in twice the digits.
 
+use coadjoint::certify::Frame;
 use coadjoint::erased::{At, Equation, RetractionKind, System, Trial, units};
 use coadjoint::scheme::Rule;
 
-use crate::campaign::{Draw, Drawer, KINDS, RULES, states};
+use crate::campaign::{Draw, Drawer, KINDS, Kind, RULES, states};
 use crate::{cancelling, released, settled, springs, zeros};
 
 /// How far columns may be off, relative to what is of one unit with them.
@@ -91,7 +92,12 @@ fn compare(
             system.parameters()
         )
     };
-    let (parameters, scale) = (system.parameters(), &drawer.around.scale);
+    // where states are of other sizes than the example, differences are too
+    let here = match kind {
+        Kind::Far | Kind::Units => Frame::new(system, state, control, *time),
+        _ => None,
+    };
+    let (parameters, scale) = (system.parameters(), &here.as_ref().unwrap_or(&drawer.around).scale);
     let equation = system.equation(map, rule, &at).expect("as there are derivatives");
     let mut trial = Trial::new(&*equation, &parameters, &at, &[]);
     let Some(solved) = trial.directly().filter(|solved| solved.is_good) else { return };
