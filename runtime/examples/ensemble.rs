@@ -2,8 +2,10 @@
 //!
 //! The inertia is known to a percent and the release is not quite clean. How well is it known where the satellite points?
 
+use std::ops::ControlFlow;
+
 use coadjoint::Ensemble;
-use coadjoint::ensemble::{Distribution, InitialStates};
+use coadjoint::ensemble::normal;
 use coadjoint::prelude::*;
 
 /// A satellite on which nothing acts.
@@ -34,7 +36,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // … and a release of its own: half a degree and 0.01 kg m²/s about each axis
     let half_a_degree = 0.5_f64.to_radians();
     let deviations = [half_a_degree, half_a_degree, half_a_degree, 0.01, 0.01, 0.01];
-    let releases = InitialStates::normal(&nominal, release, deviations, 2026).take(MEMBERS);
+    let releases = (0..MEMBERS).map(normal(&nominal, release, deviations, 2026));
 
     let mut ensemble = Ensemble::<_, Exponential>::new(&members, releases, 0.05)?;
     let before: Vec<_> = ensemble.states().map(|state| state.attitude * state.momentum).collect();
@@ -43,11 +45,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let angle = |_: &Satellite, state: &SatelliteState| {
         (state.attitude * Vector3::z()).dot(&Vector3::z()).clamp(-1.0, 1.0).acos().to_degrees()
     };
-    let mut antenna = Distribution::of(angle);
-    ensemble.run_observed(2_400, 300, &mut antenna);
+    let mut antenna = Vec::new();
+    ensemble.run_observed(2_400, 300, |satellites| {
+        antenna.push(satellites.spread(angle));
+        ControlFlow::Continue(())
+    });
 
     println!("   time      median     from 5 %     to 95 %   of {MEMBERS} satellites: the antenna's angle");
-    for spread in antenna.series() {
+    for spread in antenna {
         let [_, low, _, median, _, high, _] = spread.quantiles;
         println!("{:5.0} s {median:10.1}° {low:11.1}° {high:10.1}°", spread.time);
     }

@@ -4,7 +4,7 @@
 //! true momentum the estimated one plus `δΠ`. These are the coordinates of the Jacobian of a step.
 
 use coadjoint::derivative::WrtState;
-use coadjoint::ensemble::InitialStates;
+use coadjoint::ensemble::normal;
 use coadjoint::prelude::*;
 
 /// A spacecraft on which nothing acts.
@@ -50,12 +50,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let attitude = UnitQuaternion::new(vector![0.4, -0.2, 0.7]);
     let mut truth = SpacecraftState { attitude, momentum: vector![0.2, -0.3, 0.15] };
     let deviations = [GUESS[0], GUESS[0], GUESS[0], GUESS[1], GUESS[1], GUESS[1]];
-    let state = InitialStates::normal(&craft, truth, deviations, 1).member(0);
+    let state = normal(&craft, truth, deviations, 1)(0);
     let variances = Vector6::from(deviations).map(|deviation| deviation.powi(2));
     let mut filter = Filter { state, covariance: Matrix6::from_diagonal(&variances) };
     // random numbers for the measurements: the momenta of random states about rest
     let rest = SpacecraftState { attitude: UnitQuaternion::identity(), momentum: Vector3::zeros() };
-    let mut noise = InitialStates::normal(&craft, rest, [STAR; 6], 2).map(|state| state.momentum);
+    let mut noise = (0..).map(normal(&craft, rest, [STAR; 6], 2)).map(|state| state.momentum);
 
     let (mut true_stepper, mut stepper) = (craft.stepper::<Cayley>(0.1)?, craft.stepper::<Cayley>(0.1)?);
     println!("   time    attitude error    momentum error   (error / its deviation)² of 6 numbers");
@@ -78,8 +78,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         // the truth and the estimate move alike; the covariance moves by the exact Jacobian of the step
         true_stepper.step(&mut truth)?;
-        let jacobian =
-            stepper.step_with_jacobian(&mut filter.state, &NoControl::default(), WrtState)?.jacobian;
+        let jacobian = stepper.step_with_jacobian(&mut filter.state, &NoControl::default(), WrtState)?.0;
         filter.covariance = jacobian * filter.covariance * jacobian.transpose();
     }
     assert!(attitude_error < 0.2 && momentum_error < 2e-3);

@@ -391,7 +391,7 @@ mod tests {
     use crate::scheme::{StormerVerlet, SymplecticEulerA, SymplecticEulerB};
     use crate::stepper::Stepper;
     use crate::system::System;
-    use crate::test_system::{Oscillator, OscillatorState};
+    use crate::tests::{Oscillator, OscillatorState};
 
     /// `q' = t` by the midpoint rule, without error: what stages of wrong times give is not `½ t²`.
     #[derive(Clone)]

@@ -3,9 +3,7 @@
 //! Sums and products of floating-point numbers differ from the exact ones by numbers that can be computed (Knuth, Dekker, Veltkamp): these
 //! errors are carried along. T. J. Dekker, Numer. Math. 18 (1971) 224–242.
 
-use core::ops::{Add, Div, Mul, Neg, Sub};
-
-use crate::scalar::{Batch, FUSED, Mask, Real, Scalar, Work, stumpff};
+use crate::scalar::{Batch, FUSED, Mask, Real, Scalar, Work, functions, operators, stumpff};
 
 /// `high + low`, where `low` is at most half a unit in the last place of `high`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -132,53 +130,13 @@ operations! {
     };
 }
 
-impl<T: Batch> Add for Double<T> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        Sum::of(self, other)
-    }
-}
-
-impl<T: Batch> Sub for Double<T> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        Sum::of(self, -other)
-    }
-}
-
-impl<T: Batch> Mul for Double<T> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        Product::of(self, other)
-    }
-}
-
-impl<T: Batch> Div for Double<T> {
-    type Output = Self;
-    #[inline(always)]
-    fn div(self, other: Self) -> Self {
-        Quotient::of(self, other)
-    }
-}
-
-impl<T: Batch> Neg for Double<T> {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Self { high: -self.high, low: -self.low }
-    }
-}
-
-macro_rules! each {
-    ($($name:ident)*) => {
-        $(#[inline(always)]
-        fn $name(self) -> Self {
-            Self::exactly(self.high.$name())
-        })*
-    };
+operators! {
+    Double<T: Batch>;
+    -x = Self { high: -x.high, low: -x.low };
+    Add add(a, b) = Sum::of(a, b);
+    Sub sub(a, b) = Sum::of(a, -b);
+    Mul mul(a, b) = Product::of(a, b);
+    Div div(a, b) = Quotient::of(a, b);
 }
 
 /// Elementary functions have the digits of one number.
@@ -205,14 +163,9 @@ impl<T: Batch> Scalar for Double<T> {
         // the root of zero is zero
         Self::select(T::of(0.0).lt(root), better, Self::exactly(root))
     }
-    each! { exp ln sin cos tan asin acos atan sinh cosh tanh }
-    #[inline(always)]
-    fn powf(self, exponent: Self) -> Self {
-        Self::exactly(self.high.powf(exponent.high))
-    }
-    #[inline(always)]
-    fn atan2(self, x: Self) -> Self {
-        Self::exactly(self.high.atan2(x.high))
+    functions! {
+        Self::exactly, high;
+        exp() ln() sin() cos() tan() asin() acos() atan() sinh() cosh() tanh() powf(exponent) atan2(x)
     }
     #[inline(always)]
     fn min(self, other: Self) -> Self {
@@ -252,10 +205,6 @@ impl<T: Batch> Batch for Double<T> {
     const EPSILON: f64 = if T::Number::IS_DOUBLE { 3.3e-24 } else { 4.1e-11 };
     const MIN_POSITIVE: f64 = T::MIN_POSITIVE / T::EPSILON;
 
-    #[inline(always)]
-    fn all<X: Copy + Send + Sync>(value: X) -> T::Each<X> {
-        T::all(value)
-    }
     #[inline(always)]
     fn each<X: Copy + Send + Sync>(value: impl FnMut(usize) -> X) -> T::Each<X> {
         T::each(value)

@@ -7,7 +7,7 @@ use std::vec::Vec;
 use thiserror::Error;
 
 use crate::error::StepError;
-use crate::method::{self, Advanced, Clock, Counted, Outcome, StepsReport};
+use crate::method::{self, Advanced, Clock, Counted, Stage, StepsReport};
 use crate::scalar::{Batch, Components, Scalar, Work};
 
 /// What takes a step of one system with one scheme, on slices: [`method::Method`] with its type erased.
@@ -15,7 +15,7 @@ use crate::scalar::{Batch, Components, Scalar, Work};
 /// Slices have the lengths of the system's arrays.
 pub trait Method<T: Batch>: Send + Sync {
     /// Takes other parameters and another step of numbers side by side; what is remembered of earlier steps stays.
-    fn rebuild(&mut self, parameters: &[T], step: T);
+    fn rebuild(&mut self, _parameters: &[T], _step: T) {}
 
     /// Writes the state after a step to `next`: see [`method::Method::advance`].
     ///
@@ -23,8 +23,10 @@ pub trait Method<T: Batch>: Send + Sync {
     /// As there; what stands in `next` then counts in the lanes that did not fail.
     fn advance(&mut self, state: &[T], next: &mut [T], time: T, control: &[T], known: bool) -> Counted<T>;
 
-    /// Takes steps for as long as they are as most steps are: see [`method::Method::advance_n`].
-    fn advance_n(&mut self, state: &mut [T], clock: Clock, control: &[T], most: u64) -> StepsReport<T>;
+    /// Takes steps for as long as they are as most steps are, if any: see [`method::Method::advance_n`].
+    fn advance_n(&mut self, _state: &mut [T], _clock: Clock, _control: &[T], _most: u64) -> StepsReport<T> {
+        StepsReport::default()
+    }
 
     /// Shows what is carried from step to step: see [`method::Method::memory`].
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T]));
@@ -77,26 +79,6 @@ impl<M: method::Method, const BATCHES: bool> Flat<M, BATCHES> {
     }
 }
 
-/// A step of a method.
-struct Step<'a, M: method::Method> {
-    method: &'a mut M,
-    state: &'a M::State,
-    time: M::Scalar,
-    control: &'a M::Control,
-    known: bool,
-}
-
-impl<M: method::Method> Work for Step<'_, M> {
-    type CallSite = M::CallSite;
-    type Result = Outcome<M::Scalar, M::State>;
-
-    #[inline(always)]
-    fn done(self) -> Self::Result {
-        let Self { method, state, time, control, known } = self;
-        method.advance(state, time, control, known)
-    }
-}
-
 // with an empty array of its home, so that the compiler puts it there: see `OutOfLine`
 impl<M: method::Method, const BATCHES: bool> Method<M::Scalar> for ([M::CallSite; 0], Flat<M, BATCHES>) {
     fn rebuild(&mut self, parameters: &[M::Scalar], step: M::Scalar) {
@@ -121,8 +103,8 @@ impl<M: method::Method, const BATCHES: bool> Method<M::Scalar> for ([M::CallSite
         control: &[M::Scalar],
         known: bool,
     ) -> Counted<M::Scalar> {
-        let step =
-            Step { method: &mut self.1.0, state: &array(state), time, control: &array(control), known };
+        let (method, state, control) = (&mut self.1.0, &array(state), &array(control));
+        let step = Stage { method, from: None, state, time, control, known };
         // numbers side by side need the instructions that they are made for
         let outcome = if const { M::Scalar::LANES > 1 } { M::Scalar::dispatch(step) } else { step.done() };
         match outcome {

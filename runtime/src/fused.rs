@@ -1,11 +1,10 @@
 //! Products and sums rounded once, for speed.
 
 use core::marker::PhantomData;
-use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::method::{Advanced, Clock, Failure, Method, Outcome, StepsReport};
 use crate::scalar::simd::lanes::{Portable, Processor};
-use crate::scalar::{Batch, Components, LongWork, On, Scalar, Work};
+use crate::scalar::{Batch, Components, LongWork, On, Scalar, Work, functions, operators};
 use crate::system::{Discretized, System};
 
 /// The scheme `M` with products and sums rounded once, for speed.
@@ -215,34 +214,13 @@ impl<S: Discretized<M>, M, T: Batch> Method for FusedMethod<S, M, T> {
     }
 }
 
-macro_rules! operators {
-    ($($trait:ident $name:ident,)*) => {
-        $(impl<T: Batch> $trait for FusedScalar<T> {
-            type Output = Self;
-            #[inline(always)]
-            fn $name(self, other: Self) -> Self {
-                Self($trait::$name(self.0, other.0))
-            }
-        })*
-    };
-}
-operators! { Add add, Sub sub, Mul mul, Div div, }
-
-impl<T: Batch> Neg for FusedScalar<T> {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Self(-self.0)
-    }
-}
-
-macro_rules! functions {
-    ($($name:ident($($operand:ident),*))*) => {
-        $(#[inline(always)]
-        fn $name(self $(, $operand: Self)*) -> Self {
-            Self(Scalar::$name(self.0 $(, $operand.0)*))
-        })*
-    };
+operators! {
+    FusedScalar<T: Batch>;
+    -x = Self(-x.0);
+    Add add(a, b) = Self(a.0 + b.0);
+    Sub sub(a, b) = Self(a.0 - b.0);
+    Mul mul(a, b) = Self(a.0 * b.0);
+    Div div(a, b) = Self(a.0 / b.0);
 }
 
 impl<T: Batch> Scalar for FusedScalar<T> {
@@ -260,6 +238,7 @@ impl<T: Batch> Scalar for FusedScalar<T> {
         Self(self.0.fma(-a.0, b.0))
     }
     functions! {
+        Self, 0;
         sqrt() exp() ln() sin() cos() tan() asin() acos() atan() sinh() cosh() tanh()
         powf(exponent) atan2(x) min(other) recip_or_zero()
     }
@@ -289,10 +268,6 @@ impl<T: Batch> Batch for FusedScalar<T> {
     const PAIRS: bool = T::PAIRS;
     const IS_FUSED: bool = true;
 
-    #[inline(always)]
-    fn all<X: Copy + Send + Sync>(value: X) -> T::Each<X> {
-        T::all(value)
-    }
     #[inline(always)]
     fn each<X: Copy + Send + Sync>(value: impl FnMut(usize) -> X) -> T::Each<X> {
         T::each(value)

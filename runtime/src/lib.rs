@@ -97,7 +97,7 @@ mod solve;
 pub mod stepper;
 pub mod system;
 #[cfg(all(test, feature = "std"))]
-mod test_system;
+mod tests;
 mod tick;
 
 /// The front page: its code is compiled and run as a test.
@@ -203,7 +203,7 @@ pub mod __private {
     pub use crate::kernel::{Blocks, Evaluation, Kernel, Program};
     pub use crate::legendre::{finite, newton};
     pub use crate::method::{Method, Outcome};
-    pub use crate::retraction::Map;
+    pub use crate::retraction::RetractionKind;
     pub use crate::scalar::stumpff::family;
     pub use crate::scalar::{Batch, Components, Scalar};
     pub use crate::scheme::{Family, Rule, StormerVerlet, TangentLift};

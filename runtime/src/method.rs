@@ -126,9 +126,7 @@ impl Clock {
     pub fn after(&self, steps: u64) -> f64 {
         self.start + (self.taken + steps) as f64 * self.step
     }
-}
 
-impl Clock {
     /// For one step that starts at this time, the same in all lanes.
     #[inline(always)]
     pub(crate) fn at<T: Batch>(time: T) -> Self {
@@ -277,14 +275,14 @@ impl<T: Batch, S> Failure<T, S> {
 }
 
 /// A step, or a stage of one, and those after it.
-struct Stage<'a, B: Method> {
-    method: &'a mut B,
+pub(crate) struct Stage<'a, B: Method> {
+    pub(crate) method: &'a mut B,
     /// The first stage to be taken, if it needs more than there is on the fast path.
-    from: Option<usize>,
-    state: &'a B::State,
-    time: B::Scalar,
-    control: &'a B::Control,
-    known: bool,
+    pub(crate) from: Option<usize>,
+    pub(crate) state: &'a B::State,
+    pub(crate) time: B::Scalar,
+    pub(crate) control: &'a B::Control,
+    pub(crate) known: bool,
 }
 
 impl<B: Method> Work for Stage<'_, B> {

@@ -141,14 +141,15 @@ fn next_multiple(index: u64, interval: u64) -> u64 {
 ///
 /// Shown a second run, it goes on with the same reference: a long run may be made in pieces.
 pub struct Invariants<S: System> {
-    reference: Option<Reference<S>>,
+    reference: Option<Reference<S::Scalar, S::Casimirs>>,
     energy_error: f64,
 }
 
-struct Reference<S: System> {
-    energy: S::Scalar,
-    casimirs: S::Casimirs,
-    drifts: S::Casimirs,
+#[derive(Clone)]
+struct Reference<T, C> {
+    energy: T,
+    casimirs: C,
+    drifts: C,
 }
 
 impl<S: System> Invariants<S> {
@@ -206,12 +207,6 @@ fn larger<T: PartialOrd + Copy>(so_far: T, value: T) -> T {
 impl<S: System> Default for Invariants<S> {
     fn default() -> Self {
         Self::new()
-    }
-}
-
-impl<S: System> Clone for Reference<S> {
-    fn clone(&self) -> Self {
-        Self { energy: self.energy, casimirs: self.casimirs, drifts: self.drifts }
     }
 }
 
@@ -302,7 +297,7 @@ mod tests {
     use super::*;
     use crate::retraction::Cayley;
     use crate::run::Run;
-    use crate::test_system::{Body, BodyState};
+    use crate::tests::{Body, BodyState};
     use nalgebra::{UnitQuaternion, Vector3};
     use std::vec::Vec;
 

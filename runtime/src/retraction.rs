@@ -6,7 +6,7 @@
 
 /// A retraction as a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Map {
+pub enum RetractionKind {
     /// [`Exponential`](Exponential)
     Exponential,
     /// [`Cayley`](Cayley)
@@ -15,9 +15,10 @@ pub enum Map {
     SecondKind,
 }
 
-impl Map {
+impl RetractionKind {
     /// All of them.
-    pub const ALL: [Map; 3] = [Map::Exponential, Map::Cayley, Map::SecondKind];
+    pub const ALL: [RetractionKind; 3] =
+        [RetractionKind::Exponential, RetractionKind::Cayley, RetractionKind::SecondKind];
 
     /// Whether it is a function of one matrix: then it is odd, `τ(−ξ) = τ(ξ)⁻¹`, and `Ad`-equivariant, `τ(Ad_g ξ) = g τ(ξ) g⁻¹`. Other
     /// maps are neither, but on commutative groups.
@@ -29,19 +30,19 @@ impl Map {
 /// A retraction of the catalogue.
 pub trait Retraction {
     /// It, as a value.
-    const MAP: Map;
+    const MAP: RetractionKind;
 }
 
 impl Retraction for Exponential {
-    const MAP: Map = Map::Exponential;
+    const MAP: RetractionKind = RetractionKind::Exponential;
 }
 
 impl Retraction for Cayley {
-    const MAP: Map = Map::Cayley;
+    const MAP: RetractionKind = RetractionKind::Cayley;
 }
 
 impl Retraction for SecondKind {
-    const MAP: Map = Map::SecondKind;
+    const MAP: RetractionKind = RetractionKind::SecondKind;
 }
 
 /// The group's exponential map.

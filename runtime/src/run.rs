@@ -347,7 +347,7 @@ mod tests {
     use crate::observe::{Invariants, Record};
     use crate::retraction::{Cayley, Exponential};
     use crate::system::System;
-    use crate::test_system::{Body, BodyState, Oscillator, OscillatorControl, OscillatorState};
+    use crate::tests::{Body, BodyState, Oscillator, OscillatorControl, OscillatorState};
     use nalgebra::{UnitQuaternion, Vector3};
     use std::vec::Vec;
 

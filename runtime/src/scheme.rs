@@ -28,7 +28,7 @@
 
 use core::marker::PhantomData;
 
-use crate::retraction::{Exponential, Map, Retraction};
+use crate::retraction::{Exponential, Retraction, RetractionKind};
 
 /// The member `s = N/D`, in lowest terms and from 0 to 1, of the family of one-step schemes with the retraction `R`.
 ///
@@ -106,17 +106,17 @@ pub enum Rule {
 #[doc(hidden)]
 pub trait Base: 'static {
     /// Its retraction.
-    const MAP: Map;
+    const MAP: RetractionKind;
     /// The rest of it.
     const RULE: Rule;
 }
 
 impl<R: Retraction + 'static, const N: u32, const D: u32> Base for Family<R, N, D> {
-    const MAP: Map = R::MAP;
+    const MAP: RetractionKind = R::MAP;
     const RULE: Rule = Rule::Member(N, D);
 }
 
 impl<R: Retraction + 'static, const N: u32, const D: u32> Base for TangentLift<R, N, D> {
-    const MAP: Map = R::MAP;
+    const MAP: RetractionKind = R::MAP;
     const RULE: Rule = Rule::TangentLift(N, D);
 }

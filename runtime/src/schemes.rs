@@ -10,8 +10,8 @@ use std::vec::Vec;
 use thiserror::Error;
 
 use crate::composition::{Coefficients, Composed, KahanLi6, KahanLi8, SofroniouSpaletta10, Suzuki4, checked};
-use crate::retraction::{Cayley, Exponential, Map, Retraction, SecondKind};
-use crate::scheme::{Family, RightLift, Rule, StormerVerlet, TangentLift};
+use crate::retraction::{Cayley, Exponential, Retraction, RetractionKind, SecondKind};
+use crate::scheme::{Base, RightLift, Rule, StormerVerlet};
 use crate::system::Description;
 
 /// A scheme as a value: what [`Stepper`](crate::Stepper) has as a type.
@@ -31,11 +31,11 @@ use crate::system::Description;
 #[non_exhaustive]
 pub enum Scheme {
     /// The bare retraction: the system's [standard](crate::System::Standard) step of order 2.
-    Standard(Map),
+    Standard(RetractionKind),
     /// A step that the macro generated.
-    Step(Map, Rule),
+    Step(RetractionKind, Rule),
     /// [`StormerVerlet`]
-    StormerVerlet(Map),
+    StormerVerlet(RetractionKind),
     /// A symmetric [composition](crate::composition) of steps with another scheme.
     Composed(CoefficientSet, Box<Scheme>),
     /// [`RightLift`]; steppers whose types are erased take the steps of the scheme that it lifts, which are the same map.
@@ -91,15 +91,9 @@ macro_rules! bare {
 }
 bare!(Exponential, Cayley, SecondKind);
 
-impl<R: Retraction + 'static, const N: u32, const D: u32> SchemeType for Family<R, N, D> {
+impl<M: Base> SchemeType for M {
     fn scheme() -> Scheme {
-        Scheme::Step(R::MAP, Rule::Member(N, D))
-    }
-}
-
-impl<R: Retraction + 'static, const N: u32, const D: u32> SchemeType for TangentLift<R, N, D> {
-    fn scheme() -> Scheme {
-        Scheme::Step(R::MAP, Rule::TangentLift(N, D))
+        Scheme::Step(M::MAP, M::RULE)
     }
 }
 
@@ -122,11 +116,11 @@ impl<C: Coefficients + 'static, M: SchemeType> SchemeType for Composed<C, M> {
 }
 
 /// A generated step that a scheme is made of: its retraction, its rule, and its length.
-pub(crate) type Part = (Map, Rule, f64);
+pub(crate) type Part = (RetractionKind, Rule, f64);
 
 impl Scheme {
     /// Returns the member `s = numerator/denominator` of the [family](Family).
-    pub const fn member(map: Map, numerator: u32, denominator: u32) -> Self {
+    pub const fn member(map: RetractionKind, numerator: u32, denominator: u32) -> Self {
         Self::Step(map, Rule::Member(numerator, denominator))
     }
 
@@ -281,21 +275,22 @@ fn parsed(text: &str, most: usize) -> Option<Scheme> {
         Some((name, rest)) => (name.trim(), rest.strip_suffix('>')?.trim()),
         None => (text, ""),
     };
-    let retraction = |name: &str| Map::ALL.into_iter().find(|map| name == std::format!("{map:?}"));
+    let retraction = |name: &str| RetractionKind::ALL.into_iter().find(|map| name == std::format!("{map:?}"));
     // what is left out is the types' default
-    let on = |name: &str| if name.is_empty() { Some(Map::Exponential) } else { retraction(name.trim()) };
+    let on = |name: &str| {
+        if name.is_empty() { Some(RetractionKind::Exponential) } else { retraction(name.trim()) }
+    };
     let member = |numerator, denominator| Some(Scheme::member(on(inner)?, numerator, denominator));
     let lift =
         |numerator, denominator| Some(Scheme::Step(on(inner)?, Rule::TangentLift(numerator, denominator)));
     match name {
-        "SymplecticEulerA" => member(0, 1),
         "Midpoint" => member(1, 2),
         "SymplecticEulerB" => member(1, 1),
         "TangentMidpoint" => lift(1, 2),
         "Family" | "TangentLift" if inner.contains(',') => {
             let mut arguments = inner.split(',').map(str::trim);
             let (map, n, d) = (arguments.next()?, arguments.next()?, arguments.next()?);
-            let (map, n, d): (Map, u32, u32) = (on(map)?, n.parse().ok()?, d.parse().ok()?);
+            let (map, n, d): (RetractionKind, u32, u32) = (on(map)?, n.parse().ok()?, d.parse().ok()?);
             if arguments.next().is_some() || d == 0 || n > d {
                 return None;
             }
@@ -303,14 +298,12 @@ fn parsed(text: &str, most: usize) -> Option<Scheme> {
             let rule = if name == "Family" { Rule::Member } else { Rule::TangentLift };
             Some(Scheme::Step(map, rule(n / common, d / common)))
         }
-        "Family" => member(0, 1),
+        "SymplecticEulerA" | "Family" => member(0, 1),
         "TangentLift" => lift(0, 1),
         "StormerVerlet" => Some(Scheme::StormerVerlet(on(inner)?)),
-        "RightLift" if inner.is_empty() => {
-            Some(Scheme::RightLift(Box::new(Scheme::member(Map::Exponential, 0, 1))))
-        }
         "RightLift" if !inner.contains("RightLift") => {
-            Some(Scheme::RightLift(Box::new(parsed(inner, most)?)))
+            let base = if inner.is_empty() { member(0, 1) } else { parsed(inner, most) };
+            Some(Scheme::RightLift(Box::new(base?)))
         }
         _ => match CoefficientSet::named().into_iter().find(|(order, _)| *order == name) {
             Some((_, set)) => {
@@ -356,7 +349,7 @@ fn without_paths(name: &str) -> String {
 mod tests {
     use super::*;
     use crate::composition::{Order4, Order10};
-    use crate::scheme::{Midpoint, SymplecticEulerA, SymplecticEulerB, TangentMidpoint};
+    use crate::scheme::{Family, Midpoint, SymplecticEulerA, SymplecticEulerB, TangentLift, TangentMidpoint};
 
     #[test]
     fn schemes_are_read_as_they_are_written() {

@@ -10,7 +10,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use coadjoint::__private::Kernel;
-use coadjoint::derivative::{CheckpointedTape, Perturbation, WrtParameters, WrtState};
+use coadjoint::derivative::{CheckpointedTape, Parts, WrtParameters, WrtState};
 use coadjoint::nalgebra::{SMatrix, SVector, Vector6};
 use coadjoint::prelude::*;
 use coadjoint::system::Generated;
@@ -65,7 +65,7 @@ fn main() {
             Box::new(move |steps| {
                 for _ in 0..steps {
                     let step = stepper.step_with_jacobian(&mut state, &NoControl::default(), WrtState);
-                    black_box(step.unwrap().jacobian);
+                    black_box(step.unwrap().0);
                 }
             })
         }),
@@ -75,14 +75,14 @@ fn main() {
             Box::new(move |steps| {
                 for _ in 0..steps {
                     let step = stepper.step_with_jacobian(&mut state, &NoControl::default(), blocks);
-                    black_box(step.unwrap().jacobian);
+                    black_box(step.unwrap().0);
                 }
             })
         }),
         ("Cayley, by dual numbers", STEPS / 8, dual(&top, start)),
         ("Cayley, one direction", STEPS, {
             let (mut stepper, mut state) = (top.stepper::<Cayley>(STEP).unwrap(), start);
-            let perturbation = Perturbation { state: SVector::repeat(1.0), ..Perturbation::default() };
+            let perturbation = Parts { state: SVector::repeat(1.0), ..Parts::default() };
             Box::new(move |steps| {
                 for _ in 0..steps {
                     let step = stepper.step_with_derivative(&mut state, &NoControl::default());
@@ -106,7 +106,7 @@ fn main() {
             Box::new(move |steps| {
                 for _ in 0..steps {
                     let step = stepper.step_with_jacobian(&mut state, &NoControl::default(), WrtState);
-                    black_box(step.unwrap().jacobian);
+                    black_box(step.unwrap().0);
                 }
             })
         }),

@@ -267,7 +267,8 @@ where
     let method = format!("{method}, ensemble, {}", config.name);
     let run = move |steps: u64| {
         let steps = steps.div_ceil(MEMBERS as u64);
-        threads.install(|| ensemble.run(steps)).failures == 0
+        threads.install(|| ensemble.run(steps));
+        ensemble.failed().is_empty()
     };
     Ok(Case { problem, method, steps: 12_000 * MEMBERS as u64, run: Box::new(run) })
 }

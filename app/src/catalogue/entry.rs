@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use coadjoint::erased::{self, Description, Flat, Map};
+use coadjoint::erased::{self, Description, Flat, RetractionKind};
 use coadjoint::prelude::*;
 use coadjoint::system::Isolated;
 use coadjoint::{Discretized, RightLift, System};
@@ -53,7 +53,7 @@ pub struct Entry {
 
 /// Builds a method on a retraction, with these parameters and this step. None on retractions that not every system has
 /// steps with.
-pub(crate) type MethodFn = fn(&[f64], Map, f64) -> Option<Box<dyn erased::Method<f64>>>;
+pub(crate) type MethodFn = fn(&[f64], RetractionKind, f64) -> Option<Box<dyn erased::Method<f64>>>;
 
 /// Writes what is held over the step from a state at a time.
 pub type ControlLaw = Box<dyn Fn(&[f64], f64, &mut [f64]) + Send + Sync>;
@@ -231,7 +231,11 @@ fn control<S: Example>(parameters: &[f64]) -> ControlLaw {
     })
 }
 
-fn right_lift<S>(parameters: &[f64], retraction: Map, step: f64) -> Option<Box<dyn erased::Method<f64>>>
+fn right_lift<S>(
+    parameters: &[f64],
+    retraction: RetractionKind,
+    step: f64,
+) -> Option<Box<dyn erased::Method<f64>>>
 where
     S: Example
         + Isolated
@@ -240,8 +244,8 @@ where
 {
     type Lifted<S, R> = <S as Discretized<RightLift<SymplecticEulerA<R>>>>::Method<f64>;
     match retraction {
-        Map::Exponential => Some(Flat::<Lifted<S, Exponential>, false>::boxed(parameters, step)),
-        Map::Cayley => Some(Flat::<Lifted<S, Cayley>, false>::boxed(parameters, step)),
+        RetractionKind::Exponential => Some(Flat::<Lifted<S, Exponential>, false>::boxed(parameters, step)),
+        RetractionKind::Cayley => Some(Flat::<Lifted<S, Cayley>, false>::boxed(parameters, step)),
         _ => None,
     }
 }

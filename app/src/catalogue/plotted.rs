@@ -5,7 +5,7 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use coadjoint::erased::{self, Map};
+use coadjoint::erased::{self, RetractionKind};
 #[cfg(test)]
 use coadjoint::system::Kind;
 use coadjoint::system::{Quantity, Role};
@@ -166,7 +166,7 @@ fn elements(
     let displaced = |from: &[f64], along: &dyn Fn(usize) -> f64| {
         let mut by = vec![0.0; tangent_length(system.description().state)];
         tangent.clone().for_each(|k| by[k] = along(k));
-        system.displace(from, Map::Exponential, &by)
+        system.displace(from, RetractionKind::Exponential, &by)
     };
     let matrix = |state: &[f64]| DMatrix::from_row_slice(rows, rows, &state[slots.clone()]);
     let along = tangent.clone().map(|k| matrix(&displaced(&unit, &|other| f64::from(u8::from(other == k)))));

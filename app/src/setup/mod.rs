@@ -12,7 +12,7 @@ mod spread;
 mod transport;
 
 use clap::ValueEnum as _;
-use coadjoint::erased::{self, Map};
+use coadjoint::erased::{self, RetractionKind};
 use coadjoint::{ParameterError, Scheme};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
@@ -68,11 +68,11 @@ impl Retraction {
         }
     }
 
-    pub(crate) fn map(self) -> Map {
+    pub(crate) fn map(self) -> RetractionKind {
         match self {
-            Retraction::Exponential => Map::Exponential,
-            Retraction::Cayley => Map::Cayley,
-            Retraction::SecondKind => Map::SecondKind,
+            Retraction::Exponential => RetractionKind::Exponential,
+            Retraction::Cayley => RetractionKind::Cayley,
+            Retraction::SecondKind => RetractionKind::SecondKind,
         }
     }
 }

@@ -3,7 +3,7 @@
 //! They follow the flow of [`hamiltonian_vector`](coadjoint::system::Geometry::hamiltonian_vector) with a constant
 //! velocity, which is linear in them.
 
-use coadjoint::erased::{self, Map};
+use coadjoint::erased::{self, RetractionKind};
 use coadjoint::system::{Kind, Quantity, Role, Side};
 use nalgebra::{Complex, DMatrix, DVector, Quaternion, Unit, UnitQuaternion, Vector3};
 
@@ -11,7 +11,7 @@ use crate::catalogue::quantities::{rotation, tangent_length};
 
 /// Displaces a state by a tangent vector that moves nothing but configurations, and turns what is advected along.
 pub(super) fn displace(system: &dyn erased::System, state: &[f64], by: &[f64]) -> Vec<f64> {
-    let mut displaced = system.displace(state, Map::Exponential, by);
+    let mut displaced = system.displace(state, RetractionKind::Exponential, by);
     carry(system, &mut displaced, by);
     displaced
 }

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use coadjoint::certify::{Report, certify_erased};
-use coadjoint::erased::{self, Map};
+use coadjoint::erased::{self, RetractionKind};
 use coadjoint::system::{Quantity, Role};
 use nalgebra::{DMatrix, DVector};
 
@@ -83,10 +83,10 @@ fn in_motion(
     let length = tangent_length(quantities);
     let mut by = vec![0.0; length];
     turns.iter().for_each(|&turn| by[turn] = 0.5 * random.even());
-    let displaced = system.displace(state, Map::Exponential, &by);
+    let displaced = system.displace(state, RetractionKind::Exponential, &by);
     // the momentum of a velocity: where the energy is quadratic in it, `∂h/∂μ` is a linear map
     let velocity = |by: &[f64]| -> Vec<f64> {
-        let there = system.displace(&displaced, Map::Exponential, by);
+        let there = system.displace(&displaced, RetractionKind::Exponential, by);
         let differential = system.differential(&there, 0.0, control);
         momenta.iter().map(|&place| differential[place]).collect()
     };
@@ -106,5 +106,5 @@ fn in_motion(
     if let Some(momentum) = momentum.flatten() {
         momenta.iter().zip(&momentum).for_each(|(&place, momentum)| by[place] = *momentum);
     }
-    system.displace(&displaced, Map::Exponential, &by)
+    system.displace(&displaced, RetractionKind::Exponential, &by)
 }

@@ -52,7 +52,7 @@ fn munthe_kaas(
 ) -> Result<erased::Stepper, ParameterError> {
     let algebra = Algebra::of(&*system);
     erased::Stepper::from_fn(system, step, move |system, at: &At<'_>, next| {
-        let moved = |z: &[f64]| system.displace(at.state, erased::Map::Exponential, z);
+        let moved = |z: &[f64]| system.displace(at.state, erased::RetractionKind::Exponential, z);
         let mut field = |time: f64, z: &[f64], rate: &mut [f64]| {
             rate.copy_from_slice(&system.motion(&moved(z), time, at.control));
             algebra.correct(z, rate);

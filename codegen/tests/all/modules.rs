@@ -103,7 +103,7 @@ fn uses(folder: &Path, starts: &[&str]) -> Uses {
         let depth = place.components().count();
         let first = place.components().next().expect("a name").as_os_str().to_string_lossy().into_owned();
         let module = first.trim_end_matches(".rs").to_owned();
-        if ["lib", "mod", "guide", "prelude", "test_system"].contains(&module.as_str()) {
+        if ["lib", "mod", "guide", "prelude", "tests"].contains(&module.as_str()) {
             continue;
         }
         let text = std::fs::read_to_string(&file).expect("a source");

@@ -7,7 +7,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::frame::Frame;
-use crate::retraction::Map;
+use crate::retraction::RetractionKind;
 use crate::scheme::Rule;
 use crate::schemes::Scheme;
 
@@ -56,7 +56,7 @@ impl<'a> ReferenceStep<'a> {
     }
 
     /// Takes a step with the member `s` of the [family](crate::scheme::Family).
-    fn family(&mut self, map: Map, s: f64, step: f64) {
+    fn family(&mut self, map: RetractionKind, s: f64, step: f64) {
         match self.solve(map, s, step) {
             Some(state) => self.state = state,
             None => self.lost = true,
@@ -66,7 +66,7 @@ impl<'a> ReferenceStep<'a> {
 
     /// `m⁻ = Ad*_{τ̄(sη)} m`, `ḡ = g τ̄(sη)`, `m⁺ = m⁻ + t (F − ∂h/∂g)`, `m̄ = (1−s) (dR τ_{(1−s)η})* m⁺ + s (dR τ̄_{sη})* m` and
     /// `η = t ∂h/∂m`, over and over.
-    fn solve(&self, map: Map, s: f64, step: f64) -> Option<Vec<f64>> {
+    fn solve(&self, map: RetractionKind, s: f64, step: f64) -> Option<Vec<f64>> {
         let Self { frame, state, control, .. } = self;
         let time = self.time + s * step;
         let m = frame.linear_part(state);
@@ -106,19 +106,25 @@ impl<'a> ReferenceStep<'a> {
     }
 
     /// The state with its configurations moved.
-    fn moved(&self, state: &[f64], map: Map, half: Half, eta: &DVector<f64>) -> Vec<f64> {
+    fn moved(&self, state: &[f64], map: RetractionKind, half: Half, eta: &DVector<f64>) -> Vec<f64> {
         let n = self.frame.configuration.len();
         if map.is_matrix_function() {
             return self.frame.moved(state, map, &eta.rows(0, n).into_owned());
         }
         let axes = self.axes(half).into_iter().filter(|axis| *axis < n);
         axes.fold(state.to_vec(), |state, axis| {
-            self.frame.moved(&state, Map::Exponential, &part(eta, axis, n))
+            self.frame.moved(&state, RetractionKind::Exponential, &part(eta, axis, n))
         })
     }
 
     /// What becomes of momenta and advected parameters where configurations are moved so.
-    fn carried(&self, map: Map, half: Half, eta: &DVector<f64>, m: &DVector<f64>) -> Option<Carried> {
+    fn carried(
+        &self,
+        map: RetractionKind,
+        half: Half,
+        eta: &DVector<f64>,
+        m: &DVector<f64>,
+    ) -> Option<Carried> {
         if map.is_matrix_function() {
             let ad = self.frame.coadjoint(&self.state, eta);
             let mean = self.right_dual(map, eta, &ad, m)?;
@@ -138,10 +144,10 @@ impl<'a> ReferenceStep<'a> {
     fn axes(&self, half: Half) -> Vec<usize> {
         let (frame, n) = (self.frame, self.frame.configuration.len());
         let turn = DVector::from_iterator(n, frame.configuration.iter().map(|&i| 0.5 * frame.scale[i]));
-        let there = frame.moved(&self.state, Map::SecondKind, &turn);
+        let there = frame.moved(&self.state, RetractionKind::SecondKind, &turn);
         let off = |axes: &mut dyn Iterator<Item = usize>| {
             let one_by_one = axes.fold(self.state.clone(), |state, axis| {
-                frame.moved(&state, Map::Exponential, &part(&turn, axis, n))
+                frame.moved(&state, RetractionKind::Exponential, &part(&turn, axis, n))
             });
             frame.distance(&there, &one_by_one)
         };
@@ -153,7 +159,7 @@ impl<'a> ReferenceStep<'a> {
     /// `(dR τ_η)* m`, where `ad` is the matrix of `ad*_η`, for functions of one matrix.
     fn right_dual(
         &self,
-        map: Map,
+        map: RetractionKind,
         eta: &DVector<f64>,
         ad: &DMatrix<f64>,
         m: &DVector<f64>,
@@ -162,11 +168,11 @@ impl<'a> ReferenceStep<'a> {
             return Some(m.clone());
         }
         match map {
-            Map::Exponential => series(ad, m),
-            Map::SecondKind => None,
+            RetractionKind::Exponential => series(ad, m),
+            RetractionKind::SecondKind => None,
             // `dR cay_X Y = (1 − X/2)⁻¹ Y (1 + X/2)⁻¹`: on the group as the displacements say, and with advected parameters, where
             // `X = (x, w)` and `Y = (y, u)`, inverted `((dR cay_x)⁻¹ y, (1 − ρ_x/2)(u + ½ ρ_y w))`
-            Map::Cayley => {
+            RetractionKind::Cayley => {
                 let (n, all) = (self.frame.configuration.len(), m.len());
                 let back = -eta.rows(0, n).into_owned();
                 let group = self.frame.logarithmic_derivative(&self.state, map, &back)?.try_inverse()?;

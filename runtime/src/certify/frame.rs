@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::erased::Geometry;
-use crate::retraction::Map;
+use crate::retraction::RetractionKind;
 use crate::system::{Kind, Quantity, Role};
 
 /// The larger of two numbers; not-a-number if one is.
@@ -36,33 +36,34 @@ pub(super) fn slope(e: f64, curve: &dyn Fn(f64) -> DVector<f64>) -> DVector<f64>
 
 /// Momentum or an advected parameter: one number of the state, changed by one component of a tangent vector.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Linear {
+pub struct Linear {
     /// Its place in tangent vectors.
-    pub(super) tangent: usize,
+    pub tangent: usize,
     /// Its place in the state's array.
-    pub(super) component: usize,
+    pub component: usize,
 }
 
 /// What the components of states and tangent vectors are.
-pub(super) struct Frame<'a> {
+#[derive(Clone)]
+pub struct Frame<'a> {
     pub(super) system: &'a dyn Geometry,
     /// The places of the configurations' components in tangent vectors.
-    pub(super) configuration: Vec<usize>,
+    pub configuration: Vec<usize>,
     /// The momenta, in the order of the configurations' components that they belong to, then the advected parameters.
-    pub(super) linear: Vec<Linear>,
+    pub linear: Vec<Linear>,
     /// The places of the configurations in the state's array.
     stored: Vec<usize>,
     /// How far a component of a tangent vector leads to something else entirely.
-    pub(super) scale: Vec<f64>,
+    pub scale: Vec<f64>,
     /// The same for the components of states.
     weight: Vec<f64>,
     /// One over the time in which the motion leads to something else entirely; 0 at rest.
-    pub(super) rate: f64,
+    pub rate: f64,
 }
 
 impl<'a> Frame<'a> {
     /// `None` if the geometry is not that of the quantities which the state consists of.
-    pub(super) fn new(system: &'a dyn Geometry, first: &[f64], control: &[f64], time: f64) -> Option<Self> {
+    pub fn new(system: &'a dyn Geometry, first: &[f64], control: &[f64], time: f64) -> Option<Self> {
         let n = system.differential(first, time, control).len();
         let (mut configuration, mut stored, mut momenta, mut advected) =
             (Vec::new(), Vec::new(), Vec::new(), Vec::new());
@@ -81,7 +82,7 @@ impl<'a> Frame<'a> {
         let is_whole = !configuration.is_empty()
             && momenta.len() == configuration.len()
             && configuration.len() + momenta.len() + advected.len() == n
-            && system.displace(first, Map::Exponential, &vec![0.0; n]).len() == first.len();
+            && system.displace(first, RetractionKind::Exponential, &vec![0.0; n]).len() == first.len();
         if !is_whole {
             return None;
         }
@@ -134,7 +135,7 @@ impl<'a> Frame<'a> {
         let motion = self.motion(state, time, control);
         // of a body at rest, how fast it is going to be is in the velocity's change
         let change = slope(1e-4 / (1.0 + motion.amax()), &|at| {
-            let there = self.displace(state, Map::Exponential, (&motion * at).as_slice());
+            let there = self.displace(state, RetractionKind::Exponential, (&motion * at).as_slice());
             self.motion(&there, time + at, control)
         });
         let rates = self
@@ -151,7 +152,7 @@ impl<'a> Frame<'a> {
         let change = slope(1e-3 * size, &|at| {
             let mut by = vec![0.0; self.scale.len()];
             by[tangent] = at;
-            self.motion(&self.displace(state, Map::Exponential, &by), time, control)
+            self.motion(&self.displace(state, RetractionKind::Exponential, &by), time, control)
         });
         let rates = self.configuration.iter().map(|&i| (change[i] / self.scale[i]).abs());
         let gentle = self.rate / rates.fold(0.0, f64::max);
@@ -170,7 +171,8 @@ impl<'a> Frame<'a> {
         unit
     }
 
-    pub(super) fn displace(&self, state: &[f64], map: Map, by: &[f64]) -> Vec<f64> {
+    /// The state, displaced.
+    pub fn displace(&self, state: &[f64], map: RetractionKind, by: &[f64]) -> Vec<f64> {
         self.system.displace(state, map, by)
     }
 
@@ -236,7 +238,7 @@ impl<'a> Frame<'a> {
     }
 
     /// The state with its configurations displaced.
-    pub(super) fn moved(&self, state: &[f64], map: Map, by: &DVector<f64>) -> Vec<f64> {
+    pub(super) fn moved(&self, state: &[f64], map: RetractionKind, by: &DVector<f64>) -> Vec<f64> {
         let mut tangent = vec![0.0; self.dimension()];
         for (&i, by) in self.configuration.iter().zip(by.iter()) {
             tangent[i] = *by;
@@ -246,7 +248,7 @@ impl<'a> Frame<'a> {
 
     /// The places of the state's components, by blocks that have a unit in common: each quantity, but that a rigid motion and its momentum are of
     /// turns and of positions.
-    pub(super) fn blocks(&self) -> Vec<Vec<usize>> {
+    pub fn blocks(&self) -> Vec<Vec<usize>> {
         let mut blocks = Vec::new();
         let mut kind = Kind::Scalar;
         for (quantity, places) in Quantity::with_ranges(self.system.description().state) {
@@ -273,7 +275,7 @@ impl<'a> Frame<'a> {
     }
 
     /// The derivative of a configuration's stored numbers by its displacement, at the displacement `by`.
-    fn basis_at(&self, state: &[f64], map: Map, by: &DVector<f64>) -> DMatrix<f64> {
+    fn basis_at(&self, state: &[f64], map: RetractionKind, by: &DVector<f64>) -> DMatrix<f64> {
         let columns: Vec<_> = (0..self.configuration.len())
             .map(|k| {
                 slope(1e-2 * self.scale[self.configuration[k]], &|at| {
@@ -287,7 +289,7 @@ impl<'a> Frame<'a> {
     }
 
     fn basis(&self, state: &[f64]) -> DMatrix<f64> {
-        self.basis_at(state, Map::Exponential, &DVector::zeros(self.configuration.len()))
+        self.basis_at(state, RetractionKind::Exponential, &DVector::zeros(self.configuration.len()))
     }
 
     /// The tangent vectors at a state that change its stored numbers like this.
@@ -309,7 +311,7 @@ impl<'a> Frame<'a> {
     pub(super) fn logarithmic_derivative(
         &self,
         state: &[f64],
-        map: Map,
+        map: RetractionKind,
         by: &DVector<f64>,
     ) -> Option<DMatrix<f64>> {
         let change = self.basis_at(state, map, by);

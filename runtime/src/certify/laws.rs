@@ -12,9 +12,9 @@ use super::frame::larger;
 use super::neighbourhood::{
     Basis, Carried, Degenerate, EvaluateKernel, Neighbourhood, Unknown, combined, exponential, function,
 };
-use super::report::{Bound, Certificate, Verdict, table};
+use super::report::{Bound, Certificate, Report};
 use crate::erased::array;
-use crate::retraction::Map;
+use crate::retraction::RetractionKind;
 use crate::scheme::Rule;
 use crate::system::{Control, Geometry, Kind, Role, Schemes, State, System};
 
@@ -22,41 +22,6 @@ use crate::system::{Control, Geometry, Kind, Role, Schemes, State, System};
 const DIFFERENCES: Bound = Bound::AtMost(1e-10);
 /// What rounding leaves of one.
 const ROUNDING: Bound = Bound::AtMost(1e-12);
-
-/// The laws of a group, measured on the code that was generated for a system on it.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[non_exhaustive]
-pub struct Laws {
-    /// The system's name.
-    pub system: &'static str,
-    /// What was measured.
-    pub certificates: Vec<Certificate>,
-}
-
-impl Laws {
-    /// Whether no law is broken.
-    pub fn passed(&self) -> bool {
-        self.failures().next().is_none()
-    }
-
-    /// The laws that are broken.
-    pub fn failures(&self) -> impl Iterator<Item = &Certificate> {
-        self.certificates.iter().filter(|certificate| certificate.verdict == Verdict::Failed)
-    }
-
-    /// The law of this name.
-    pub fn certificate(&self, name: &str) -> Option<&Certificate> {
-        self.certificates.iter().find(|certificate| certificate.name == name)
-    }
-}
-
-impl core::fmt::Display for Laws {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        writeln!(f, "{}, its group", self.system)?;
-        table(f, &self.certificates)
-    }
-}
 
 /// Asserts that a group obeys the laws of Lie groups: the test of a group of your own, in one line.
 ///
@@ -118,7 +83,7 @@ macro_rules! assert_group_laws {
 ///
 /// # Errors
 /// If the parameters or the state are not valid.
-pub fn group_laws<S>(system: &S, state: &S::State) -> Result<Laws, CertifyError>
+pub fn group_laws<S>(system: &S, state: &S::State) -> Result<Report, CertifyError>
 where
     S: Geometry<Scalar = f64> + Schemes,
 {
@@ -131,12 +96,13 @@ where
     let state = state.to_components();
     let control = S::Control::default().to_components();
     let about = Neighbourhood::new(system, state.as_ref(), control.as_ref(), &kernel)?;
-    Ok(Laws { system: S::NAME, certificates: certificates(&about) })
+    let certificates = certificates(&about);
+    Ok(Report { system: S::NAME, scheme: None, properties: None, step: None, certificates })
 }
 
 /// The laws of the group of a free body, whose elements are displaced from the unit.
 #[doc(hidden)]
-pub fn group_laws_of<S>(body: &S) -> Result<Laws, CertifyError>
+pub fn group_laws_of<S>(body: &S) -> Result<Report, CertifyError>
 where
     S: Geometry<Scalar = f64> + Schemes,
 {
@@ -156,7 +122,7 @@ where
 }
 
 /// What measures a law of a retraction at an element of the algebra; nothing if there is nothing to measure.
-type Law<'a> = fn(&Neighbourhood<'a>, Map, &DVector<f64>) -> Result<Option<f64>, Degenerate>;
+type Law<'a> = fn(&Neighbourhood<'a>, RetractionKind, &DVector<f64>) -> Result<Option<f64>, Degenerate>;
 
 /// The laws of the algebra, then those of each retraction that there are steps with.
 fn certificates(about: &Neighbourhood<'_>) -> Vec<Certificate> {
@@ -176,7 +142,11 @@ fn certificates(about: &Neighbourhood<'_>) -> Vec<Certificate> {
         ("spaces", DIFFERENCES, Neighbourhood::spaces),
         ("Casimirs", ROUNDING, Neighbourhood::casimirs),
     ];
-    let maps = [(Map::Exponential, "exponential"), (Map::Cayley, "Cayley"), (Map::SecondKind, "second kind")];
+    let maps = [
+        (RetractionKind::Exponential, "exponential"),
+        (RetractionKind::Cayley, "Cayley"),
+        (RetractionKind::SecondKind, "second kind"),
+    ];
     for (map, name) in maps {
         if about.has(map) {
             certificates.extend(laws.iter().map(|(of, bound, measure)| {
@@ -192,13 +162,8 @@ fn certificates(about: &Neighbourhood<'_>) -> Vec<Certificate> {
 
 /// A figure against its bound; what cannot be measured breaks the law.
 fn law(name: &str, bound: Bound, figure: Result<Option<f64>, Degenerate>) -> Certificate {
-    let verdict = match figure {
-        Ok(None) => Verdict::NotMeasured,
-        Ok(Some(figure)) if bound.holds(figure) => Verdict::Passed,
-        _ => Verdict::Failed,
-    };
-    let figure = figure.ok().flatten().unwrap_or(f64::NAN);
-    Certificate { name: name.to_owned(), figure, state: 0, bound: Some(bound), verdict }
+    let figure = figure.unwrap_or(Some(f64::NAN));
+    Certificate::new(name, figure.map(|figure| (figure, 0)), Some(bound))
 }
 
 impl Neighbourhood<'_> {
@@ -241,7 +206,7 @@ impl Neighbourhood<'_> {
 
     /// `g τ(x)` of a kernel is that of displacements, and `g f(X)` where elements are matrices. In coordinates of the second kind it is that of the
     /// exponential along one axis after the other.
-    fn definition(&self, map: Map, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
+    fn definition(&self, map: RetractionKind, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
         let there = self.frame.moved(&self.state, map, x);
         let mut worst = match self.unknown(map, x)? {
             Some(Unknown::Of { unknown, .. }) => {
@@ -252,8 +217,9 @@ impl Neighbourhood<'_> {
             _ => None,
         };
         if !map.is_matrix_function() {
-            let along =
-                |state: Vec<f64>, i: usize| self.frame.moved(&state, Map::Exponential, &self.axis(i, x[i]));
+            let along = |state: Vec<f64>, i: usize| {
+                self.frame.moved(&state, RetractionKind::Exponential, &self.axis(i, x[i]))
+            };
             let (first, last) = (0..x.len(), (0..x.len()).rev());
             // what stands last in `τ` acts first where the group acts from the other side
             let [first, last] = [first.fold(self.state.clone(), along), last.fold(self.state.clone(), along)]
@@ -270,12 +236,12 @@ impl Neighbourhood<'_> {
         Ok(worst)
     }
 
-    fn on_the_group(&self, map: Map, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
+    fn on_the_group(&self, map: RetractionKind, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
         Ok(Some(self.frame.system.deviation(&self.frame.moved(&self.state, map, x))))
     }
 
     /// `τ(−x) = τ(x)⁻¹`, of what is odd.
-    fn inverse(&self, map: Map, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
+    fn inverse(&self, map: RetractionKind, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
         if !map.is_matrix_function() {
             return Ok(None);
         }
@@ -284,8 +250,8 @@ impl Neighbourhood<'_> {
     }
 
     /// `dR exp_x = φ₁(ad_x)`
-    fn series(&self, map: Map, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
-        if map != Map::Exponential {
+    fn series(&self, map: RetractionKind, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
+        if map != RetractionKind::Exponential {
             return Ok(None);
         }
         let n = self.dimension();
@@ -297,7 +263,7 @@ impl Neighbourhood<'_> {
     }
 
     /// `(dR τ_x)* m` of a kernel is that of the differences of displacements.
-    fn derivative(&self, map: Map, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
+    fn derivative(&self, map: RetractionKind, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
         let Some(Unknown::Of { factor, unknown }) = self.unknown(map, x)? else { return Ok(None) };
         let right = |state: &[f64]| Ok(DVector::from_vec(self.value(map, state, &unknown)?.right));
         let inverse = factor.transpose().try_inverse().ok_or(Degenerate)?;
@@ -306,7 +272,7 @@ impl Neighbourhood<'_> {
     }
 
     /// `Ad_{τ(x)} = exp ad_z`, where `τ(x) = exp z`.
-    fn adjoint_action(&self, map: Map, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
+    fn adjoint_action(&self, map: RetractionKind, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
         let n = self.dimension();
         let ad = self.frame.coadjoint(&self.state, &self.zero_padded(&self.logarithm(map, x)?)).transpose();
         let expected = exponential(&ad.view((0, 0), (n, n)).into_owned());
@@ -314,7 +280,7 @@ impl Neighbourhood<'_> {
     }
 
     /// `Ad*_{τ(x)} m` of a kernel is dual to `Ad_{τ(x)}`, and `Ad*_{τ(x)} m = m + ad*_x (dR τ_x)* m` where `τ` is equivariant.
-    fn coadjoint_action(&self, map: Map, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
+    fn coadjoint_action(&self, map: RetractionKind, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
         let n = self.dimension();
         let Some(Carried { x, before, after }) = self.carried(map, x)? else { return Ok(None) };
         let expected = self.adjoint(map, &x)?.transpose();
@@ -329,7 +295,7 @@ impl Neighbourhood<'_> {
     }
 
     /// Advected parameters are carried along by the exponential of the action of `z`, where `τ(x) = exp z`.
-    fn spaces(&self, map: Map, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
+    fn spaces(&self, map: RetractionKind, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
         let (n, all) = (self.dimension(), self.frame.linear.len());
         let Some(Unknown::Of { unknown, .. }) = self.unknown(map, x)? else { return Ok(None) };
         if all == n {
@@ -344,7 +310,7 @@ impl Neighbourhood<'_> {
     }
 
     /// Casimirs are constant along the coadjoint action.
-    fn casimirs(&self, map: Map, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
+    fn casimirs(&self, map: RetractionKind, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
         let next = match self.unknown(map, x)? {
             Some(Unknown::Of { unknown, .. }) if self.is_invariant => {
                 self.value(map, &self.state, &unknown)?.next

@@ -5,12 +5,12 @@ use nalgebra::{DMatrix, DVector};
 use super::CertifyError;
 use super::definition::{ReferenceStep, series};
 use super::frame::{Frame, derivative, larger, slope};
-use super::probe::KernelProbe;
-use super::report::{Bound, Certificate, Report, Verdict};
-use crate::erased::{Description, Geometry, Method, NotGenerated, check_length, length, of_only_lane};
+use super::probe::KernelPart;
+use super::report::{Bound, Certificate, Report};
+use crate::erased::{At, Description, Geometry, Method, NotGenerated, check_length, length, of_only_lane};
 use crate::error::{ParameterError, StepError};
 use crate::method::Clock;
-use crate::retraction::Map;
+use crate::retraction::RetractionKind;
 use crate::schemes::{ConservedCasimirs, Properties, Scheme};
 use crate::stepper::{check_state, check_step};
 
@@ -42,8 +42,8 @@ pub struct Claimed<'a> {
     pub definition: Option<Scheme>,
     /// Makes what takes steps of a length.
     pub method: &'a dyn Fn(f64) -> Result<Box<dyn Method<f64>>, NotGenerated>,
-    /// Shows the kernels of a step.
-    pub kernels: &'a dyn Fn(&mut KernelProbe<'_>, f64),
+    /// The kernel of an index from 0, of those that a step from there is made of, where the ones before it have led.
+    pub kernels: &'a dyn Fn(usize, &At<'_>) -> Option<KernelPart>,
 }
 
 /// States to measure at, each with its control, and how.
@@ -105,9 +105,9 @@ pub(super) fn certificates(subject: &Subject<'_>, scheme: &Claimed<'_>) -> Resul
     bench.geometry()?;
     Ok(Report {
         system: description.name,
-        scheme: scheme.name.clone(),
-        properties: scheme.properties,
-        step,
+        scheme: Some(scheme.name.clone()),
+        properties: Some(scheme.properties),
+        step: Some(step),
         certificates: bench.certificates,
     })
 }
@@ -204,14 +204,7 @@ impl<'a> Certifier<'a> {
                 worst = Some((figure, index));
             }
         }
-        let verdict = match (worst, bound) {
-            (None, _) => Verdict::NotMeasured,
-            (_, None) => Verdict::NotClaimed,
-            (Some((figure, _)), Some(bound)) if bound.holds(figure) => Verdict::Passed,
-            _ => Verdict::Failed,
-        };
-        let (figure, state) = worst.unwrap_or((f64::NAN, 0));
-        self.certificates.push(Certificate { name: name.to_owned(), figure, state, bound, verdict });
+        self.certificates.push(Certificate::new(name, worst, bound));
         Ok(())
     }
 }
@@ -314,7 +307,7 @@ impl Sample<'_> {
         let columns: Result<Vec<_>, _> = (0..frame.dimension())
             .map(|i| {
                 derivative(1e-2 * frame.scale[i], &mut |at| {
-                    let there = frame.displace(self.state, Map::Exponential, &frame.unit(i, at));
+                    let there = frame.displace(self.state, RetractionKind::Exponential, &frame.unit(i, at));
                     Ok(self.one(self.step, self.time, &there)?.into())
                 })
             })
@@ -352,7 +345,7 @@ impl Sample<'_> {
         // what it may be where it happens to be small
         let size = self.frame.linear.iter().fold(start.abs(), |size, linear| {
             let by = self.frame.unit(linear.tangent, self.frame.scale[linear.tangent]);
-            let there = self.frame.displace(self.state, Map::Exponential, &by);
+            let there = self.frame.displace(self.state, RetractionKind::Exponential, &by);
             size.max((self.casimir(index, &there) - start).abs())
         });
         let mut drift = 0.0;
@@ -427,9 +420,8 @@ impl Sample<'_> {
     }
 
     fn correction(&self) -> Figure {
-        let parameters = self.system.parameters();
-        let at = (self.state, self.time, self.control);
-        Ok(KernelProbe::corrections(&parameters, at, |probe| (self.scheme.kernels)(probe, self.step)))
+        let at = At { step: self.step, state: self.state, time: self.time, control: self.control };
+        Ok(self.scheme.corrections(&at))
     }
 
     fn definition(&self) -> Figure {
@@ -455,7 +447,7 @@ impl Sample<'_> {
         let differential = frame.differential(self.state, self.time, self.control);
         let mut error = 0.0;
         for (i, scale) in frame.scale.iter().enumerate() {
-            for map in Map::ALL {
+            for map in RetractionKind::ALL {
                 let change = slope(1e-2 * scale, &|at| {
                     let there = frame.displace(self.state, map, &frame.unit(i, at));
                     DVector::from_element(1, self.system.energy(&there, self.time, self.control))
@@ -479,9 +471,11 @@ impl Sample<'_> {
         let n = frame.dimension();
         // a tangent vector in these coordinates is another one at the displaced state, of which only the configuration's part differs
         let in_coordinates = |by: &[f64]| {
-            let there = frame.displace(self.state, Map::Exponential, by);
+            let there = frame.displace(self.state, RetractionKind::Exponential, by);
             let turn = frame.configuration_of(&DVector::from_column_slice(by));
-            let small = frame.logarithmic_derivative(self.state, Map::Exponential, &turn)?.try_inverse()?;
+            let small = frame
+                .logarithmic_derivative(self.state, RetractionKind::Exponential, &turn)?
+                .try_inverse()?;
             let mut inverse = DMatrix::identity(n, n);
             for (r, &i) in frame.configuration.iter().enumerate() {
                 for (c, &j) in frame.configuration.iter().enumerate() {
@@ -532,7 +526,7 @@ impl Sample<'_> {
         let turn = self.turn();
         let n = turn.len();
         let measured = frame
-            .logarithmic_derivative(self.state, Map::Exponential, &-&turn)
+            .logarithmic_derivative(self.state, RetractionKind::Exponential, &-&turn)
             .ok_or(MeasureError::Degenerate)?;
         let eta = turn.resize_vertically(frame.linear.len(), 0.0);
         let ad = frame.coadjoint(self.state, &eta);
@@ -552,7 +546,7 @@ impl Sample<'_> {
     /// `τ(−ξ) = τ(ξ)⁻¹` of those that are odd
     fn inverse(&self) -> Figure {
         let turn = self.turn();
-        let odd = Map::ALL.into_iter().filter(|map| map.is_matrix_function());
+        let odd = RetractionKind::ALL.into_iter().filter(|map| map.is_matrix_function());
         let error = odd.map(|map| {
             let there = self.frame.moved(self.state, map, &turn);
             self.frame.distance(self.state, &self.frame.moved(&there, map, &-&turn))

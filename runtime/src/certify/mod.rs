@@ -63,7 +63,6 @@
 //! What belongs to the group, and not to a scheme, [`group_laws`] measures more closely, and [`assert_group_laws!`](crate::assert_group_laws) is the
 //! test of a group by itself.
 
-mod around;
 mod definition;
 mod frame;
 mod laws;
@@ -76,17 +75,17 @@ mod warm;
 use thiserror::Error;
 
 #[doc(hidden)]
-pub use around::Around;
+pub use frame::{Frame, Linear};
+pub use laws::group_laws;
 #[doc(hidden)]
 pub use laws::group_laws_of;
-pub use laws::{Laws, group_laws};
 #[doc(hidden)]
 pub use measure::Claimed;
 #[doc(hidden)]
-pub use probe::KernelProbe;
+pub use probe::{KernelPart, kernel};
 pub use report::{Bound, Certificate, Report, Verdict};
 
-use crate::erased::{self, Description, Flat, NotGenerated};
+use crate::erased::{self, At, Flat, NotGenerated};
 use crate::error::{ParameterError, StepError};
 use crate::schemes::{Scheme, SchemeType};
 use crate::system::{Control, Discretized, Geometry, State};
@@ -131,43 +130,42 @@ where
 /// ```
 pub struct Certification<'a, S: Geometry<Scalar = f64>> {
     system: &'a S,
-    states: Vec<S::State>,
-    controls: Vec<S::Control>,
-    time: f64,
-    step: Option<f64>,
+    subject: Subject<'a>,
 }
 
 impl<'a, S: Geometry<Scalar = f64>> Certification<'a, S> {
     /// Of this system.
     pub fn new(system: &'a S) -> Self {
-        Self { system, states: Vec::new(), controls: Vec::new(), time: 0.0, step: None }
+        let (states, controls) = (Vec::new(), Vec::new());
+        Self { system, subject: Subject { system, states, controls, time: 0.0, step: None } }
     }
 
     /// At these states too.
     #[must_use]
     pub fn states(mut self, states: &[S::State]) -> Self {
-        self.states.extend_from_slice(states);
+        self.subject.states.extend(states.iter().map(|state| state.to_components().as_ref().to_vec()));
         self
     }
 
     /// With these controls, one after the other and over again for the states; else all are zero.
     #[must_use]
     pub fn controls(mut self, controls: &[S::Control]) -> Self {
-        self.controls.extend_from_slice(controls);
+        let numbers = controls.iter().map(|control| control.to_components().as_ref().to_vec());
+        self.subject.controls.extend(numbers);
         self
     }
 
     /// With steps that start at this time.
     #[must_use]
     pub fn time(mut self, time: f64) -> Self {
-        self.time = time;
+        self.subject.time = time;
         self
     }
 
     /// With this step, in place of one that follows from the motion at the states.
     #[must_use]
     pub fn step(mut self, step: f64) -> Self {
-        self.step = Some(step);
+        self.subject.step = Some(step);
         self
     }
 
@@ -180,15 +178,7 @@ impl<'a, S: Geometry<Scalar = f64>> Certification<'a, S> {
         S: Discretized<M> + erased::System,
         M: SchemeType,
     {
-        let (scheme, description) = (M::scheme(), Description::of::<S>());
-        let claimed = Claimed {
-            name: scheme.to_string(),
-            properties: scheme.properties(&description),
-            definition: Some(scheme.clone()),
-            method: &self.method::<M>(),
-            kernels: &|probe, step| kernels(self.system, &scheme, probe, step),
-        };
-        self.run_as(&claimed)
+        certified(self.system, &M::scheme(), &self.subject, &self.method::<M>())
     }
 
     /// Measures steps under the claims of whatever scheme.
@@ -197,7 +187,7 @@ impl<'a, S: Geometry<Scalar = f64>> Certification<'a, S> {
     /// As [`run`](Self::run).
     #[doc(hidden)]
     pub fn run_as(&self, claimed: &Claimed<'_>) -> Result<Report, CertifyError> {
-        measure::certificates(&self.subject(), claimed)
+        measure::certificates(&self.subject, claimed)
     }
 
     /// Makes what takes the steps of the scheme `M`.
@@ -209,18 +199,6 @@ impl<'a, S: Geometry<Scalar = f64>> Certification<'a, S> {
     {
         let parameters: Vec<f64> = self.system.to_parameters().as_ref().to_vec();
         move |step| Ok(Flat::<S::Method<f64>, false>::boxed(&parameters, step))
-    }
-
-    /// What is measured, whatever the scheme.
-    fn subject(&self) -> Subject<'_> {
-        let flat = |numbers: &[f64]| numbers.to_vec();
-        Subject {
-            system: self.system,
-            states: self.states.iter().map(|state| flat(state.to_components().as_ref())).collect(),
-            controls: self.controls.iter().map(|control| flat(control.to_components().as_ref())).collect(),
-            time: self.time,
-            step: self.step,
-        }
     }
 }
 
@@ -236,28 +214,30 @@ pub fn certify_erased(
     controls: &[Vec<f64>],
     step: Option<f64>,
 ) -> Result<Report, CertifyError> {
-    let claimed = Claimed {
-        name: scheme.to_string(),
-        properties: scheme.properties(&system.description()),
-        definition: Some(scheme.clone()),
-        method: &|step| erased::method(scheme, system, step),
-        kernels: &|probe, step| kernels(system, scheme, probe, step),
-    };
     let subject = Subject { system, states: states.to_vec(), controls: controls.to_vec(), time: 0.0, step };
-    measure::certificates(&subject, &claimed)
+    certified(system, scheme, &subject, &|step| erased::method(scheme, system, step))
 }
 
-/// Shows the kernels that a step is made of.
-fn kernels(system: &dyn erased::System, scheme: &Scheme, probe: &mut KernelProbe<'_>, step: f64) {
-    let system = system.with_parameters(probe.parameters);
-    for (map, rule, step) in scheme.parts(system.description().invariant, step) {
-        if let Some(equation) = system.equation(map, rule, &probe.at(step)) {
-            probe.look(&*equation, step);
-        }
-    }
-    if matches!(scheme, Scheme::RightLift(_)) {
-        probe.carries();
-    }
+/// Certifies what takes the steps of a scheme.
+fn certified(
+    system: &dyn erased::System,
+    scheme: &Scheme,
+    subject: &Subject<'_>,
+    method: &dyn Fn(f64) -> Result<Box<dyn erased::Method<f64>>, NotGenerated>,
+) -> Result<Report, CertifyError> {
+    let description = system.description();
+    let kernels = |index: usize, at: &At<'_>| {
+        let (map, rule, step) = *scheme.parts(description.invariant, at.step).get(index)?;
+        Some((step, system.equation(map, rule, &At { step, ..*at })?))
+    };
+    let claimed = Claimed {
+        name: scheme.to_string(),
+        properties: scheme.properties(&description),
+        definition: Some(scheme.clone()),
+        method,
+        kernels: &kernels,
+    };
+    measure::certificates(subject, &claimed)
 }
 
 /// Why there is no report.

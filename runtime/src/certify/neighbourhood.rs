@@ -6,7 +6,7 @@ use super::CertifyError;
 use super::frame::{Frame, derivative, larger, slope};
 use crate::erased::{array, check_length, length};
 use crate::kernel::Kernel;
-use crate::retraction::Map;
+use crate::retraction::RetractionKind;
 use crate::scalar::Components;
 use crate::scheme::Base;
 use crate::stepper::check_state;
@@ -58,7 +58,7 @@ impl<S: System> Visitor<S> for EvaluateKernel<'_> {
     }
 }
 
-pub(super) type Kernels<'a> = &'a dyn Fn(Map, &[f64], &[f64]) -> Option<KernelValue>;
+pub(super) type Kernels<'a> = &'a dyn Fn(RetractionKind, &[f64], &[f64]) -> Option<KernelValue>;
 
 /// A configuration that is stored as a matrix, by rows.
 pub(super) struct Stored {
@@ -97,14 +97,14 @@ impl<'a> Neighbourhood<'a> {
     }
 
     /// Whether there are steps with a retraction.
-    pub(super) fn has(&self, map: Map) -> bool {
+    pub(super) fn has(&self, map: RetractionKind) -> bool {
         (self.kernels)(map, &self.state, &[]).is_some()
     }
 
     /// What a kernel says.
     pub(super) fn value(
         &self,
-        map: Map,
+        map: RetractionKind,
         state: &[f64],
         unknown: &DVector<f64>,
     ) -> Result<KernelValue, Degenerate> {
@@ -121,7 +121,7 @@ impl<'a> Neighbourhood<'a> {
         let scales = || self.frame.configuration.iter().map(|&i| self.frame.scale[i]).enumerate();
         let n = self.dimension();
         let is_inside = |x: &DVector<f64>| {
-            Map::ALL
+            RetractionKind::ALL
                 .into_iter()
                 .all(|map| (self.kernels)(map, &self.state, x.as_slice()).is_none_or(|value| value.is_inside))
         };
@@ -166,7 +166,7 @@ impl<'a> Neighbourhood<'a> {
             let inverse = stored.matrix(state).try_inverse().ok_or(Degenerate)?;
             let changes = (0..self.dimension()).map(|i| {
                 let change = slope(self.small(i), &|t| {
-                    let there = self.frame.moved(state, Map::Exponential, &self.axis(i, t));
+                    let there = self.frame.moved(state, RetractionKind::Exponential, &self.axis(i, t));
                     DVector::from_column_slice(stored.matrix(&there).as_slice())
                 });
                 DMatrix::from_column_slice(stored.rows, stored.rows, change.as_slice())
@@ -174,7 +174,7 @@ impl<'a> Neighbourhood<'a> {
             let (left, right) = changes.map(|change| (&inverse * &change, change * &inverse)).unzip();
             Ok([left, right])
         };
-        let there = self.frame.moved(&self.state, Map::Exponential, &self.points[0]);
+        let there = self.frame.moved(&self.state, RetractionKind::Exponential, &self.points[0]);
         let ([left, right], [left_there, right_there]) = (at(&self.state)?, at(&there)?);
         let off = |a: &[DMatrix<f64>], b: &[DMatrix<f64>]| {
             a.iter().zip(b).fold(0.0, |off, (a, b)| larger(off, (a - b).amax()))
@@ -205,23 +205,23 @@ impl<'a> Neighbourhood<'a> {
     }
 
     /// `dR τ_x`, by differences: `dL τ_{−x}` of what is odd, else `Ad_{τ(x)} dL τ_x`.
-    pub(super) fn d_right(&self, map: Map, x: &DVector<f64>) -> Result<DMatrix<f64>, Degenerate> {
+    pub(super) fn d_right(&self, map: RetractionKind, x: &DVector<f64>) -> Result<DMatrix<f64>, Degenerate> {
         let d_left =
             |x: &DVector<f64>| self.frame.logarithmic_derivative(&self.state, map, x).ok_or(Degenerate);
         if map.is_matrix_function() { d_left(&-x) } else { Ok(self.adjoint(map, x)? * d_left(x)?) }
     }
 
     /// `Ad_{τ(x)}`, by differences: of `z` it makes the direction in which `g τ(x) exp(tz) τ(x)⁻¹` leaves.
-    pub(super) fn adjoint(&self, map: Map, x: &DVector<f64>) -> Result<DMatrix<f64>, Degenerate> {
+    pub(super) fn adjoint(&self, map: RetractionKind, x: &DVector<f64>) -> Result<DMatrix<f64>, Degenerate> {
         let there = self.frame.moved(&self.state, map, x);
         // τ(−x) is the way back where τ is odd, the exponential always is
         let (odd, x) = match map.is_matrix_function() {
             true => (map, x.clone()),
-            false => (Map::Exponential, self.logarithm(map, x)?),
+            false => (RetractionKind::Exponential, self.logarithm(map, x)?),
         };
         let column = |i: usize| {
             slope(self.small(i), &|t| {
-                let beside = self.frame.moved(&there, Map::Exponential, &self.axis(i, t));
+                let beside = self.frame.moved(&there, RetractionKind::Exponential, &self.axis(i, t));
                 self.frame.moved(&beside, odd, &-&x).into()
             })
         };
@@ -236,15 +236,19 @@ impl<'a> Neighbourhood<'a> {
     }
 
     /// `z` with `exp z = τ(x)`.
-    pub(super) fn logarithm(&self, map: Map, x: &DVector<f64>) -> Result<DVector<f64>, Degenerate> {
+    pub(super) fn logarithm(
+        &self,
+        map: RetractionKind,
+        x: &DVector<f64>,
+    ) -> Result<DVector<f64>, Degenerate> {
         match map {
-            Map::Exponential => Ok(x.clone()),
-            _ => self.displacement(Map::Exponential, &self.frame.moved(&self.state, map, x)),
+            RetractionKind::Exponential => Ok(x.clone()),
+            _ => self.displacement(RetractionKind::Exponential, &self.frame.moved(&self.state, map, x)),
         }
     }
 
     /// `x` with `g τ(x)` the configuration of a state, by Newton's method.
-    fn displacement(&self, map: Map, target: &[f64]) -> Result<DVector<f64>, Degenerate> {
+    fn displacement(&self, map: RetractionKind, target: &[f64]) -> Result<DVector<f64>, Degenerate> {
         let (mut x, target) = (DVector::zeros(self.dimension()), DVector::from_column_slice(target));
         for _ in 0..10 {
             let here = self.frame.moved(&self.state, map, &x);
@@ -257,7 +261,11 @@ impl<'a> Neighbourhood<'a> {
     }
 
     /// The unknown of a kernel that moves the configuration by `τ(x)`. Nothing of one that has others too.
-    pub(super) fn unknown(&self, map: Map, x: &DVector<f64>) -> Result<Option<Unknown>, Degenerate> {
+    pub(super) fn unknown(
+        &self,
+        map: RetractionKind,
+        x: &DVector<f64>,
+    ) -> Result<Option<Unknown>, Degenerate> {
         let here = self.value(map, &self.state, x)?;
         if here.right.is_empty() {
             return Ok(Some(Unknown::None { next: here.next }));
@@ -278,7 +286,11 @@ impl<'a> Neighbourhood<'a> {
     }
 
     /// What a kernel makes of momenta where it moves the configuration by `τ(x)`; by another `x` than was asked for if it has no unknown.
-    pub(super) fn carried(&self, map: Map, x: &DVector<f64>) -> Result<Option<Carried>, Degenerate> {
+    pub(super) fn carried(
+        &self,
+        map: RetractionKind,
+        x: &DVector<f64>,
+    ) -> Result<Option<Carried>, Degenerate> {
         let n = self.dimension();
         let momentum = |state: &[f64]| self.frame.linear_part(state).rows(0, n).into_owned();
         match self.unknown(map, x)? {
@@ -357,11 +369,11 @@ pub(super) fn exponential(x: &DMatrix<f64>) -> DMatrix<f64> {
 }
 
 /// `exp X`, or `(1 − X/2)⁻¹(1 + X/2)`.
-pub(super) fn function(map: Map, x: &DMatrix<f64>) -> Result<DMatrix<f64>, Degenerate> {
+pub(super) fn function(map: RetractionKind, x: &DMatrix<f64>) -> Result<DMatrix<f64>, Degenerate> {
     let one = DMatrix::identity(x.nrows(), x.nrows());
     match map {
-        Map::Exponential => Ok(exponential(x)),
-        Map::Cayley => (&one - x * 0.5).lu().solve(&(&one + x * 0.5)).ok_or(Degenerate),
-        Map::SecondKind => Err(Degenerate),
+        RetractionKind::Exponential => Ok(exponential(x)),
+        RetractionKind::Cayley => (&one - x * 0.5).lu().solve(&(&one + x * 0.5)).ok_or(Degenerate),
+        RetractionKind::SecondKind => Err(Degenerate),
     }
 }

@@ -3,34 +3,25 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::frame::{derivative, larger};
+use super::measure::Claimed;
 use crate::erased::{At, Equation, Solved, Trial, equation};
-use crate::system::Generated;
+use crate::schemes::Scheme;
+use crate::system::{Generated, System};
 
-/// A state that a step's kernels are shown.
-pub struct KernelProbe<'a> {
-    pub(super) parameters: &'a [f64],
-    pub(super) time: f64,
-    pub(super) control: &'a [f64],
-    state: Vec<f64>,
-    sought: Sought,
+/// A kernel that a step is made of: its own step, and its equation.
+pub type KernelPart = (f64, Box<dyn Equation>);
+
+/// Makes the equation of a step that is one generated kernel.
+pub fn kernel<S, M>(system: &S, index: usize, at: &At<'_>) -> Option<KernelPart>
+where
+    S: Generated<M> + System<Scalar = f64>,
+{
+    let parameters = system.to_parameters();
+    (index == 0).then(|| (at.step, equation::<S::Kernel<f64>>(parameters.as_ref(), at)))
 }
 
-/// What is looked at.
-enum Sought {
-    /// Newton corrections, at the first state: the largest difference so far, if there was anything to solve for.
-    Corrections(Option<f64>),
-    /// The state after all the kernels, unless an equation could not be solved, how many kernels there were, and how
-    /// their equations are solved.
-    End(Option<Rest>, usize, Solver),
-}
-
-/// What is known of a state besides its numbers.
-pub(super) struct Rest {
-    /// What the numbers leave out.
-    pub(super) left: Vec<f64>,
-    /// What rounding may leave of each, all kernels together.
-    pub(super) allowed: Vec<f64>,
-}
+/// The numbers of a state with what they leave out, and what rounding may leave of each, all kernels together.
+pub(super) type End = ([Vec<f64>; 2], Vec<f64>);
 
 /// Solves an equation in twice the digits.
 pub(super) type Solver = fn(&mut Trial<'_>) -> Option<Solved>;
@@ -46,87 +37,33 @@ pub(super) fn by_all_ways(trial: &mut Trial<'_>) -> Option<Solved> {
     (direct.is_good && trial.is_same(&direct, &continued)).then_some(direct)
 }
 
-impl<'a> KernelProbe<'a> {
-    /// The largest difference between Newton corrections of the kernels and those that a Jacobian of differences makes,
-    /// if there is anything to solve for.
-    pub(super) fn corrections(
-        parameters: &'a [f64],
-        (state, time, control): (&[f64], f64, &'a [f64]),
-        show: impl FnOnce(&mut Self),
-    ) -> Option<f64> {
-        let mut probe =
-            Self { parameters, time, control, state: state.to_vec(), sought: Sought::Corrections(None) };
-        show(&mut probe);
-        match probe.sought {
-            Sought::Corrections(worst) => worst,
-            Sought::End(..) => None,
-        }
+impl Claimed<'_> {
+    /// The largest difference between Newton corrections of a step's kernels and those that a Jacobian of differences
+    /// makes, if there is anything to solve for.
+    pub(super) fn corrections(&self, at: &At<'_>) -> Option<f64> {
+        let kernels = (0..).map_while(|index| (self.kernels)(index, at));
+        kernels.filter_map(|(_, equation)| compare(&*equation)).reduce(larger)
     }
 
-    /// The state after steps with the kernels, in turns. None if there are no kernels, or one's equation could not be
+    /// The state after a step, its kernels in turns. None if there are no kernels, or one's equation could not be
     /// solved.
-    pub(super) fn end(
-        parameters: &'a [f64],
-        (state, time, control): (&[f64], f64, &'a [f64]),
-        solver: Solver,
-        show: impl FnOnce(&mut Self),
-    ) -> Option<(Vec<f64>, Rest)> {
-        let zero = vec![0.0; state.len()];
-        let sought = Sought::End(Some(Rest { left: zero.clone(), allowed: zero }), 0, solver);
-        let mut probe = Self { parameters, time, control, state: state.to_vec(), sought };
-        show(&mut probe);
-        match probe.sought {
-            Sought::End(Some(rest), 1.., _) => Some((probe.state, rest)),
-            _ => None,
+    pub(super) fn end(&self, parameters: &[f64], at: &At<'_>, solver: Solver) -> Option<End> {
+        let (mut state, mut time, mut kernels) = (at.state.to_vec(), at.time, 0);
+        let (mut left, mut allowed) = (vec![0.0; state.len()], vec![0.0; state.len()]);
+        while let Some((step, equation)) = (self.kernels)(kernels, &At { state: &state, time, ..*at }) {
+            let at = At { step, state: &state, time, control: at.control };
+            let mut trial = Trial::new(&*equation, parameters, &at, &left);
+            let solved = solver(&mut trial)?;
+            // of steps that are short what one may be off by is handed on as it is
+            allowed.iter_mut().zip(trial.allowed(&solved)).for_each(|(sum, more)| *sum += more);
+            [state, left] = solved.next();
+            (time, kernels) = (time + step, kernels + 1);
         }
-    }
-
-    /// Looks at a generated kernel of the system.
-    pub fn kernel<S: Generated<M>, M>(&mut self, step: f64) {
-        let Self { parameters, time, control, .. } = *self;
-        let equation = equation::<S::Kernel<f64>>(parameters, step, &self.state, time, control);
-        self.look(&*equation, step);
-    }
-
-    /// Momenta are carried in space, and brought back into the body: what that may round away, besides what the kernels
-    /// do.
-    pub(super) fn carries(&mut self) {
-        if let Sought::End(Some(Rest { allowed, .. }), ..) = &mut self.sought {
-            allowed.iter_mut().zip(&self.state).for_each(|(sum, x)| *sum += CARRIED * f64::EPSILON * x.abs());
+        // momenta are carried in space, and brought back into the body: besides what the kernels do
+        if matches!(self.definition, Some(Scheme::RightLift(_))) {
+            allowed.iter_mut().zip(&state).for_each(|(sum, x)| *sum += CARRIED * f64::EPSILON * x.abs());
         }
-    }
-
-    /// Where equations are looked at, of a step of this length.
-    pub(super) fn at(&self, step: f64) -> At<'_> {
-        At { step, state: &self.state, time: self.time, control: self.control }
-    }
-
-    pub(super) fn look(&mut self, equation: &dyn Equation, step: f64) {
-        let Self { parameters, time, control, ref state, ref mut sought } = *self;
-        match sought {
-            Sought::Corrections(worst) => {
-                if let Some(difference) = compare(equation) {
-                    *worst = Some(worst.map_or(difference, |worst| larger(worst, difference)));
-                }
-            }
-            Sought::End(rest, kernels, solver) => {
-                let end = rest.take().and_then(|Rest { left, mut allowed }| {
-                    let mut trial =
-                        Trial::new(equation, parameters, &At { step, state, time, control }, &left);
-                    let solved = solver(&mut trial)?;
-                    // of steps that are short what one may be off by is handed on as it is
-                    allowed.iter_mut().zip(trial.allowed(&solved)).for_each(|(sum, more)| *sum += more);
-                    let [state, left] = solved.next();
-                    Some((state, Rest { left, allowed }))
-                });
-                *rest = end.map(|(state, rest)| {
-                    self.state = state;
-                    rest
-                });
-                *kernels += 1;
-                self.time += step;
-            }
-        }
+        (kernels > 0).then_some(([state, left], allowed))
     }
 }
 

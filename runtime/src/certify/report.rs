@@ -4,19 +4,19 @@ use core::fmt;
 
 use crate::schemes::Properties;
 
-/// Certificates of the steps of one scheme for one system.
+/// Certificates of the steps of one scheme for one system, or of the [laws](super::group_laws) of its group.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct Report {
     /// The system's name.
     pub system: &'static str,
-    /// The scheme's type.
-    pub scheme: String,
+    /// The scheme's type; none where the group is measured, as in the next two.
+    pub scheme: Option<String>,
     /// What the scheme promises.
-    pub properties: Properties,
+    pub properties: Option<Properties>,
     /// The step; the smallest, where the samples' motions ask for different ones.
-    pub step: f64,
+    pub step: Option<f64>,
     /// What was measured.
     pub certificates: Vec<Certificate>,
 }
@@ -64,6 +64,20 @@ pub enum Verdict {
     NotMeasured,
 }
 
+impl Certificate {
+    /// A figure against its bound, with the state that it belongs to; none if there was nothing to measure.
+    pub(super) fn new(name: &str, worst: Option<(f64, usize)>, bound: Option<Bound>) -> Self {
+        let verdict = match (worst, bound) {
+            (None, _) => Verdict::NotMeasured,
+            (_, None) => Verdict::NotClaimed,
+            (Some((figure, _)), Some(bound)) if bound.holds(figure) => Verdict::Passed,
+            _ => Verdict::Failed,
+        };
+        let (figure, state) = worst.unwrap_or((f64::NAN, 0));
+        Self { name: name.to_owned(), figure, state, bound, verdict }
+    }
+}
+
 impl Bound {
     /// Whether a figure keeps to it; what is not a number does not.
     pub fn holds(self, figure: f64) -> bool {
@@ -104,13 +118,16 @@ impl fmt::Display for Verdict {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}, {}, step {:.3e}", self.system, self.scheme, self.step)?;
+        match (&self.scheme, self.step) {
+            (Some(scheme), Some(step)) => writeln!(f, "{}, {scheme}, step {step:.3e}", self.system)?,
+            _ => writeln!(f, "{}, its group", self.system)?,
+        }
         table(f, &self.certificates)
     }
 }
 
 /// Certificates as a table.
-pub(super) fn table(f: &mut fmt::Formatter<'_>, certificates: &[Certificate]) -> fmt::Result {
+fn table(f: &mut fmt::Formatter<'_>, certificates: &[Certificate]) -> fmt::Result {
     /// What fits beside the figures in 80 columns.
     const WIDEST: usize = 44;
     let width = certificates.iter().map(|c| c.name.chars().count()).max().unwrap_or_default();

@@ -5,10 +5,10 @@
 
 use super::frame::larger;
 use super::measure::{Figure, MeasureError, STEP, Sample};
-use super::probe::{KernelProbe, Rest, Solver, as_solver, by_all_ways};
-use crate::erased::Method;
+use super::probe::{End, Solver, as_solver, by_all_ways};
+use crate::erased::{At, Method, units};
 use crate::method::Clock;
-use crate::retraction::Map;
+use crate::retraction::RetractionKind;
 use crate::stepper::check_step;
 use crate::system::Quantity;
 
@@ -30,8 +30,6 @@ const AWAY: f64 = 0.3;
 const JUMPS: [f64; 3] = [1e-9, 1e-3, 1.0];
 /// The longest steps, in units of the ordinary one. Beyond, an equation may have several solutions.
 const LONGEST: f64 = 10.0;
-/// What is smaller has not its full precision.
-const LEAST: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 
 /// A number between −1 and 1 that has nothing to do with its neighbours.
 fn noise(k: usize) -> f64 {
@@ -107,24 +105,15 @@ impl<'a, 'b> Warm<'a, 'b> {
 
     /// Holds the step from `state` to `next` against the converged one.
     fn compare(&mut self, time: f64, control: &[f64]) {
-        let Some((end, rest)) = self.converged(time, control, as_solver) else { return };
-        let mut worst = self.worst.unwrap_or(0.0);
-        for block in &self.blocks {
-            let most = |of: &dyn Fn(usize) -> f64| block.iter().fold(0.0, |most, &i| larger(most, of(i)));
-            let error = most(&|i| ((self.next[i] - end[i]) - rest.left[i]).abs());
-            // of numbers of one unit the largest has the digits that count
-            let unit = larger(most(&|i| rest.allowed[i]), f64::EPSILON * LEAST);
-            worst = larger(worst, error / unit);
-        }
-        self.worst = Some(worst);
+        let Some((end, allowed)) = self.converged(time, control, as_solver) else { return };
+        let error = units(&self.next, &end, &allowed, &self.blocks).of_rounding;
+        self.worst = Some(larger(self.worst.unwrap_or(0.0), error));
     }
 
     /// Where the step from `state` leads to in twice the digits.
-    fn converged(&self, time: f64, control: &[f64], solver: Solver) -> Option<(Vec<f64>, Rest)> {
-        let (parameters, step) = (self.sample.system.parameters(), self.clock.step);
-        KernelProbe::end(&parameters, (&self.state, time, control), solver, |probe| {
-            (self.sample.scheme.kernels)(probe, step);
-        })
+    fn converged(&self, time: f64, control: &[f64], solver: Solver) -> Option<End> {
+        let at = At { step: self.clock.step, state: &self.state, time, control };
+        self.sample.scheme.end(&self.sample.system.parameters(), &at, solver)
     }
 
     /// Takes so many steps, all of them compared; whether all could be taken.
@@ -157,7 +146,7 @@ impl Sample<'_> {
             warm.all(self.control, AFTER)?;
             let n = self.frame.dimension();
             let by: Vec<f64> = (0..n).map(|i| AWAY * self.frame.scale[i] * noise(n * restart + i)).collect();
-            warm.state = self.frame.displace(self.state, Map::Exponential, &by);
+            warm.state = self.frame.displace(self.state, RetractionKind::Exponential, &by);
             warm.is_known = false;
         }
         warm.all(self.control, AFTER)?;

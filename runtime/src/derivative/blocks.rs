@@ -2,28 +2,19 @@
 
 use core::fmt::Debug;
 
-use nalgebra::SMatrix;
+use nalgebra::{ClosedAddAssign, SMatrix};
+use num_traits::Zero;
 
 use super::{
-    DerivativeSelection, Derives, Differentiable, Linearizable, PerturbationArrays, StatePerturbation,
+    DerivativeSelection, Derives, Differentiable, Linearizable, PerturbationArrays, StartOf,
+    StatePerturbation,
 };
 use crate::scalar::{Real, Scalar};
-use crate::stepper::StepReport;
 use crate::system::{MethodOf, System};
-
-/// A step with its derivatives.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct StepJacobian<J> {
-    /// The matrices that were asked for, in the order in which they were.
-    pub jacobian: J,
-    /// How the step went.
-    pub report: StepReport,
-}
 
 /// A matrix whose size is in its type.
 #[doc(hidden)]
-pub trait Dense<T>: Copy + PartialEq + Debug {
+pub trait Dense<T>: Copy + Zero + PartialEq + Debug {
     /// How many rows it has.
     const ROWS: usize;
     /// All zeros.
@@ -43,7 +34,10 @@ pub trait Dense<T>: Copy + PartialEq + Debug {
     }
 }
 
-impl<T: Scalar, const R: usize, const C: usize> Dense<T> for SMatrix<T, R, C> {
+impl<T, const R: usize, const C: usize> Dense<T> for SMatrix<T, R, C>
+where
+    T: Scalar + Zero + ClosedAddAssign,
+{
     const ROWS: usize = R;
 
     #[inline]
@@ -101,14 +95,7 @@ pub trait JacobianBlocks<S: System>: DerivativeSelection {
 pub trait JacobianBlocksOf<S: System, D: MethodOf<S>>: JacobianBlocks<S> {
     /// Those of the method's last step, which started so.
     #[doc(hidden)]
-    fn matrices(
-        method: &D,
-        parameters: &D::Parameters,
-        step: S::Scalar,
-        state: &D::State,
-        time: S::Scalar,
-        control: &D::Control,
-    ) -> Self::Jacobian;
+    fn matrices(method: &D, start: &StartOf<'_, D>) -> Self::Jacobian;
 }
 
 #[diagnostic::do_not_recommend]
@@ -119,15 +106,8 @@ where
     B: JacobianBlocks<S>,
 {
     #[inline(always)]
-    fn matrices(
-        method: &D,
-        parameters: &D::Parameters,
-        step: S::Scalar,
-        state: &D::State,
-        time: S::Scalar,
-        control: &D::Control,
-    ) -> B::Jacobian {
-        let derivative = method.derivative(parameters, step, state, time, control, &method.trace());
+    fn matrices(method: &D, start: &StartOf<'_, D>) -> B::Jacobian {
+        let derivative = method.derivative(start, &method.trace());
         jacobian::<S, D, B>(&derivative)
     }
 }
@@ -220,24 +200,25 @@ where
 #[doc(hidden)]
 pub struct IndexRange<const START: usize, const LEN: usize>;
 
-/// Blocks of Jacobians, by the parts of the output and the input.
-pub trait Block<T, const R: usize, const C: usize> {
-    /// The derivative of a part of the next state with respect to a part of its input: output, then input. The sizes are checked
-    /// when it is compiled.
-    fn block<const I: usize, const M: usize, const J: usize, const N: usize>(
-        &self,
-        output: IndexRange<I, M>,
-        input: IndexRange<J, N>,
-    ) -> SMatrix<T, M, N>;
-}
-
-impl<T: Real + nalgebra::Scalar, const R: usize, const C: usize> Block<T, R, C> for SMatrix<T, R, C> {
-    fn block<const I: usize, const M: usize, const J: usize, const N: usize>(
-        &self,
-        _: IndexRange<I, M>,
-        _: IndexRange<J, N>,
-    ) -> SMatrix<T, M, N> {
-        const { assert!(I + M <= R && J + N <= C, "these parts are not in this matrix") };
-        SMatrix::from_fn(|i, j| self[(I + i, J + j)])
-    }
+/// Takes a block of a Jacobian: output, then input.
+///
+/// The derivative of a part of the next state with respect to a part of its input. The sizes are checked when it is compiled.
+pub fn block<
+    T,
+    const R: usize,
+    const C: usize,
+    const I: usize,
+    const M: usize,
+    const J: usize,
+    const N: usize,
+>(
+    jacobian: &SMatrix<T, R, C>,
+    _output: IndexRange<I, M>,
+    _input: IndexRange<J, N>,
+) -> SMatrix<T, M, N>
+where
+    T: Real + nalgebra::Scalar,
+{
+    const { assert!(I + M <= R && J + N <= C, "these parts are not in this matrix") };
+    SMatrix::from_fn(|i, j| jacobian[(I + i, J + j)])
 }

@@ -2,7 +2,7 @@
 
 use super::{Differentiable, Linearized};
 use crate::kernel::Kernel;
-use crate::retraction::Map;
+use crate::retraction::RetractionKind;
 use crate::scheme::Rule;
 use crate::system::System;
 
@@ -11,7 +11,7 @@ use crate::system::System;
 pub trait LinearizedSchemes: System {
     /// Shows the visitor a step's kernel with its derivative; none if that was not generated.
     fn visit_linearized<V: LinearizedVisitor<Self>>(
-        _map: Map,
+        _map: RetractionKind,
         _rule: Rule,
         _visitor: V,
     ) -> Option<V::Output> {

@@ -11,6 +11,41 @@ use crate::scalar::{Batch, Components, Scalar};
 use crate::solve::step::OneStep;
 use crate::system::{ConservedMomentum, Isolated, MethodOf, System};
 
+/// The start of a step, and what the step is made with.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug)]
+pub struct StepStart<'a, T, P, X, U> {
+    /// The system's parameters.
+    pub parameters: &'a P,
+    /// The step size.
+    pub step: T,
+    /// The state.
+    pub state: &'a X,
+    /// The time.
+    pub time: T,
+    /// The controls.
+    pub control: &'a U,
+}
+
+/// The start of a method's step.
+pub type StartOf<'a, D> = StepStart<
+    'a,
+    <D as Method>::Scalar,
+    <D as Method>::Parameters,
+    <D as Method>::State,
+    <D as Method>::Control,
+>;
+
+impl<'a, T, P, X, U> StepStart<'a, T, P, X, U> {
+    /// The start of one of the steps that this one is composed of.
+    fn stage<'b>(&'b self, state: &'b X, time: T, step: T) -> StepStart<'b, T, P, X, U>
+    where
+        'a: 'b,
+    {
+        StepStart { parameters: self.parameters, step, state, time, control: self.control }
+    }
+}
+
 /// Which of the derivatives are selected.
 pub trait DerivativeSelection {
     /// Those with respect to the state.
@@ -41,25 +76,11 @@ pub trait Linearizable<S: Differentiable>: Method {
 
     /// Where a step leads to, from the solutions of its equations.
     #[doc(hidden)]
-    fn replay(
-        &self,
-        state: &Self::State,
-        time: Self::Scalar,
-        control: &Self::Control,
-        trace: &Self::Trace,
-    ) -> Self::State;
+    fn replay(&self, start: &StartOf<'_, Self>, trace: &Self::Trace) -> Self::State;
 
-    /// The derivative of a step, from the solutions of its equations; `step` is the method's.
+    /// The derivative of a step, from the solutions of its equations.
     #[doc(hidden)]
-    fn derivative(
-        &self,
-        parameters: &Self::Parameters,
-        step: Self::Scalar,
-        state: &Self::State,
-        time: Self::Scalar,
-        control: &Self::Control,
-        trace: &Self::Trace,
-    ) -> Self::Derivative;
+    fn derivative(&self, start: &StartOf<'_, Self>, trace: &Self::Trace) -> Self::Derivative;
 
     /// The perturbation of the next state.
     #[doc(hidden)]
@@ -96,14 +117,7 @@ pub trait HasDerivative<S: System>: MethodOf<S> {
 
     /// That of the last step, which started so.
     #[doc(hidden)]
-    fn last_derivative(
-        &self,
-        parameters: &Self::Parameters,
-        step: Self::Scalar,
-        state: &Self::State,
-        time: Self::Scalar,
-        control: &Self::Control,
-    ) -> Self::Point;
+    fn last_derivative(&self, start: &StartOf<'_, Self>) -> Self::Point;
 
     /// Whether all that can be made of it is finite.
     #[doc(hidden)]
@@ -115,15 +129,8 @@ impl<S: Differentiable, D: MethodOf<S> + Linearizable<S>> HasDerivative<S> for D
     type Point = D::Derivative;
 
     #[inline(always)]
-    fn last_derivative(
-        &self,
-        parameters: &Self::Parameters,
-        step: Self::Scalar,
-        state: &Self::State,
-        time: Self::Scalar,
-        control: &Self::Control,
-    ) -> D::Derivative {
-        self.derivative(parameters, step, state, time, control, &self.trace())
+    fn last_derivative(&self, start: &StartOf<'_, D>) -> D::Derivative {
+        self.derivative(start, &self.trace())
     }
 
     fn is_finite(point: &D::Derivative) -> bool {
@@ -169,21 +176,13 @@ impl<T: Batch, S: Differentiable, K: Linearized<T, S>> Linearizable<S> for OneSt
     }
 
     #[inline]
-    fn replay(&self, state: &K::State, time: T, control: &K::Control, trace: &K::Unknown) -> K::State {
-        self.next(state, time, control, trace)
+    fn replay(&self, start: &StartOf<'_, Self>, trace: &K::Unknown) -> K::State {
+        self.next(start.state, start.time, start.control, trace)
     }
 
     #[inline(always)]
-    fn derivative(
-        &self,
-        parameters: &K::Parameters,
-        step: T,
-        state: &K::State,
-        time: T,
-        control: &K::Control,
-        trace: &K::Unknown,
-    ) -> K::Point {
-        K::point(parameters, step, state, time, control, trace)
+    fn derivative(&self, start: &StartOf<'_, Self>, trace: &K::Unknown) -> K::Point {
+        K::point(start.parameters, start.step, start.state, start.time, start.control, trace)
     }
 
     #[inline]
@@ -300,30 +299,16 @@ where
         (self.first.trace(), self.second.trace())
     }
 
-    fn replay(
-        &self,
-        state: &A::State,
-        time: A::Scalar,
-        control: &A::Control,
-        (first, second): &Self::Trace,
-    ) -> A::State {
-        let middle = self.first.replay(state, time, control, first);
-        self.second.replay(&middle, time + self.half, control, second)
+    fn replay(&self, start: &StartOf<'_, A>, (first, second): &Self::Trace) -> A::State {
+        let middle = self.first.replay(start, first);
+        self.second.replay(&start.stage(&middle, start.time + self.half, self.half), second)
     }
 
-    fn derivative(
-        &self,
-        parameters: &A::Parameters,
-        _: A::Scalar,
-        state: &A::State,
-        time: A::Scalar,
-        control: &A::Control,
-        (first, second): &Self::Trace,
-    ) -> Self::Derivative {
-        let half = self.half;
-        let middle = self.first.replay(state, time, control, first);
-        let second = self.second.derivative(parameters, half, &middle, time + half, control, second);
-        (self.first.derivative(parameters, half, state, time, control, first), second)
+    fn derivative(&self, start: &StartOf<'_, A>, (first, second): &Self::Trace) -> Self::Derivative {
+        let middle = self.first.replay(start, first);
+        let half = |state, time| start.stage(state, time, self.half);
+        let second = self.second.derivative(&half(&middle, start.time + self.half), second);
+        (self.first.derivative(&half(start.state, start.time), first), second)
     }
 
     fn tangent(
@@ -356,37 +341,24 @@ impl<S: Differentiable, C: Coefficients, B: Linearizable<S>> Linearizable<S> for
         C::steps(|k| self.steps.as_ref()[k].trace())
     }
 
-    fn replay(
-        &self,
-        state: &B::State,
-        time: B::Scalar,
-        control: &B::Control,
-        trace: &Self::Trace,
-    ) -> B::State {
-        let (mut state, mut done) = (*state, 0.0);
+    fn replay(&self, start: &StartOf<'_, B>, trace: &Self::Trace) -> B::State {
+        let (mut state, mut done) = (*start.state, 0.0);
         for ((part, trace), gamma) in self.steps.as_ref().iter().zip(trace.as_ref()).zip(C::GAMMA) {
-            state = part.replay(&state, time + B::Scalar::of(done) * self.step, control, trace);
+            let time = start.time + B::Scalar::of(done) * self.step;
+            state = part.replay(&start.stage(&state, time, B::Scalar::of(*gamma) * self.step), trace);
             done += gamma;
         }
         state
     }
 
-    fn derivative(
-        &self,
-        parameters: &B::Parameters,
-        _: B::Scalar,
-        state: &B::State,
-        time: B::Scalar,
-        control: &B::Control,
-        trace: &Self::Trace,
-    ) -> Self::Derivative {
-        let (mut state, mut done) = (*state, 0.0);
+    fn derivative(&self, start: &StartOf<'_, B>, trace: &Self::Trace) -> Self::Derivative {
+        let (mut state, mut done) = (*start.state, 0.0);
         C::steps(|k| {
             let (part, trace, gamma) = (&self.steps.as_ref()[k], &trace.as_ref()[k], C::GAMMA[k]);
-            let start = time + B::Scalar::of(done) * self.step;
-            let step = B::Scalar::of(gamma) * self.step;
-            let derivative = part.derivative(parameters, step, &state, start, control, trace);
-            state = part.replay(&state, start, control, trace);
+            let time = start.time + B::Scalar::of(done) * self.step;
+            let stage = start.stage(&state, time, B::Scalar::of(gamma) * self.step);
+            let (derivative, next) = (part.derivative(&stage, trace), part.replay(&stage, trace));
+            state = next;
             done += gamma;
             derivative
         })
@@ -429,20 +401,12 @@ where
         self.base.trace()
     }
 
-    fn replay(&self, state: &B::State, time: B::Scalar, control: &B::Control, trace: &B::Trace) -> B::State {
-        self.base.replay(state, time, control, trace)
+    fn replay(&self, start: &StartOf<'_, B>, trace: &B::Trace) -> B::State {
+        self.base.replay(start, trace)
     }
 
-    fn derivative(
-        &self,
-        parameters: &B::Parameters,
-        step: B::Scalar,
-        state: &B::State,
-        time: B::Scalar,
-        control: &B::Control,
-        trace: &B::Trace,
-    ) -> B::Derivative {
-        self.base.derivative(parameters, step, state, time, control, trace)
+    fn derivative(&self, start: &StartOf<'_, B>, trace: &B::Trace) -> B::Derivative {
+        self.base.derivative(start, trace)
     }
 
     fn tangent(

@@ -16,7 +16,7 @@
 //!
 //! ```
 //! use coadjoint::prelude::*;
-//! use coadjoint::derivative::{Block, WrtParameters, WrtState};
+//! use coadjoint::derivative::{WrtParameters, WrtState, block};
 //!
 //! #[lie_poisson_system(
 //!     group = SO3,
@@ -35,14 +35,14 @@
 //! let mut state = TopState { attitude: UnitQuaternion::identity(), momentum: vector![0.4, -0.8, 1.5], gamma: Vector3::z() };
 //! let mut stepper = top.stepper::<Cayley>(0.01)?;
 //!
-//! let step = stepper.step_with_jacobian(&mut state, &Default::default(), (WrtState, WrtParameters))?;
-//! let (wrt_state, wrt_parameters) = step.jacobian;
+//! let blocks = (WrtState, WrtParameters);
+//! let ((wrt_state, wrt_parameters), _) = stepper.step_with_jacobian(&mut state, &Default::default(), blocks)?;
 //! assert_eq!(wrt_state.shape(), (9, 9));
 //! // more momentum, more turn: about h / inertia
-//! let turn = wrt_state.block(TopIndices::ATTITUDE, TopIndices::MOMENTUM);
+//! let turn = block(&wrt_state, TopIndices::ATTITUDE, TopIndices::MOMENTUM);
 //! assert!((turn[(0, 0)] - 0.01).abs() < 1e-4);
 //! // more weight, more moment: about h chi × gamma, which is nothing for a top that stands upright
-//! assert!(wrt_parameters.block(TopIndices::MOMENTUM, TopIndices::WEIGHT).norm() < 1e-3);
+//! assert!(block(&wrt_parameters, TopIndices::MOMENTUM, TopIndices::WEIGHT).norm() < 1e-3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -61,17 +61,17 @@ mod stepper;
 
 use core::fmt;
 
+use num_traits::Zero;
+
 pub use blocks::{
-    Block, Dense, IndexRange, JacobianBlocks, JacobianBlocksOf, StepJacobian, WrtControl, WrtParameters,
-    WrtState,
+    Dense, IndexRange, JacobianBlocks, JacobianBlocksOf, WrtControl, WrtParameters, WrtState, block,
 };
 #[doc(hidden)]
 pub use choice::{LinearizedSchemes, LinearizedVisitor};
 #[doc(hidden)]
-pub use method::{AllColumns, DerivativeSelection};
-pub use method::{HasDerivative, Linearizable};
+pub use method::{AllColumns, DerivativeSelection, HasDerivative, Linearizable, StartOf, StepStart};
 #[cfg(feature = "std")]
-pub use run::{AdjointStep, CheckpointedTape};
+pub use run::CheckpointedTape;
 
 use crate::kernel::Kernel;
 use crate::scalar::{Components, Scalar};
@@ -252,71 +252,37 @@ pub fn add_product<T: Scalar, const N: usize, const K: usize>(
     }
 }
 
-/// A perturbation of the state, the controls and the parameters of a system. None by default.
-///
-/// Also the [derivatives](Gradient) of a function with respect to them.
-pub struct Perturbation<S: Differentiable> {
-    /// Of the state.
-    pub state: S::StateVector,
+/// One for the state, one for the controls, and one for the parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parts<X, U = X, P = X> {
+    /// Of the state, or with respect to it.
+    pub state: X,
     /// Of the controls.
-    pub control: S::ControlVector,
-    /// Of the parameters.
-    pub parameters: S::ParameterVector,
+    pub control: U,
+    /// Of the parameters, without the description's constants.
+    pub parameters: P,
 }
+
+impl<X: Zero, U: Zero, P: Zero> Default for Parts<X, U, P> {
+    fn default() -> Self {
+        Self { state: X::zero(), control: U::zero(), parameters: P::zero() }
+    }
+}
+
+/// A perturbation of the state, the controls and the parameters of a system. None by default.
+pub type Perturbation<S> = Parts<
+    <S as Differentiable>::StateVector,
+    <S as Differentiable>::ControlVector,
+    <S as Differentiable>::ParameterVector,
+>;
 
 /// The derivatives of a function with respect to the state, the controls and the parameters of a system.
 pub type Gradient<S> = Perturbation<S>;
-
-impl<S: Differentiable> Perturbation<S> {
-    fn from_arrays((state, control, parameters): &PerturbationArrays<S, S::Scalar>) -> Self {
-        Self {
-            state: Dense::from_column(state.as_ref()),
-            control: Dense::from_column(control.as_ref()),
-            parameters: Dense::from_column(parameters.as_ref()),
-        }
-    }
-
-    fn arrays(&self) -> PerturbationArrays<S, S::Scalar> {
-        (to_array(&self.state), to_array(&self.control), to_array(&self.parameters))
-    }
-}
 
 fn to_array<T: Scalar, C: Components<T>>(vector: &impl Dense<T>) -> C {
     let mut array: C = zeros();
     array.as_mut().iter_mut().zip(vector.as_slice()).for_each(|(entry, value)| *entry = *value);
     array
-}
-
-// written out, because derived they would ask the same of `S`
-impl<S: Differentiable> Clone for Perturbation<S> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<S: Differentiable> Copy for Perturbation<S> {}
-
-impl<S: Differentiable> Default for Perturbation<S> {
-    fn default() -> Self {
-        Self { state: Dense::zeros(), control: Dense::zeros(), parameters: Dense::zeros() }
-    }
-}
-
-impl<S: Differentiable> PartialEq for Perturbation<S> {
-    fn eq(&self, other: &Self) -> bool {
-        self.state == other.state && self.control == other.control && self.parameters == other.parameters
-    }
-}
-
-impl<S: Differentiable> fmt::Debug for Perturbation<S> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { state, control, parameters } = self;
-        f.debug_struct("Perturbation")
-            .field("state", state)
-            .field("control", control)
-            .field("parameters", parameters)
-            .finish()
-    }
 }
 
 /// The derivative of a step of the scheme `M` as a linear map.
@@ -344,7 +310,8 @@ where
     where
         S: Derives<Tangent>,
     {
-        let (state, control, parameters) = perturbation.arrays();
+        let Parts { state, control, parameters } = perturbation;
+        let (state, control, parameters) = (to_array(state), to_array(control), to_array(parameters));
         let next = D::tangent(&self.derivative, &state, &control, &parameters);
         Dense::from_column(next.as_ref())
     }
@@ -355,7 +322,12 @@ where
     where
         S: Derives<Adjoint>,
     {
-        Perturbation::from_arrays(&D::adjoint(&self.derivative, &to_array(costate)))
+        let (state, control, parameters) = D::adjoint(&self.derivative, &to_array(costate));
+        Parts {
+            state: Dense::from_column(state.as_ref()),
+            control: Dense::from_column(control.as_ref()),
+            parameters: Dense::from_column(parameters.as_ref()),
+        }
     }
 
     /// As matrices: the blocks that are asked for.

@@ -5,7 +5,8 @@ use std::vec::Vec;
 
 use super::blocks::all_finite;
 use super::{
-    Adjoint, Dense, Derives, Differentiable, Gradient, Linearizable, Perturbation, Tangent, add, to_array,
+    Adjoint, Dense, Derives, Differentiable, Gradient, Linearizable, Parts, Perturbation, StepStart, Tangent,
+    add, to_array,
 };
 use crate::error::StepError;
 use crate::run::{RunError, RunReport};
@@ -53,31 +54,6 @@ where
     spacing: u64,
     steps: u64,
     control: C,
-}
-
-/// One step of a run gone through backwards.
-#[non_exhaustive]
-pub struct AdjointStep<'a, S: Differentiable> {
-    /// The step, counted from 0.
-    pub step: u64,
-    /// The state from which it starts.
-    pub state: &'a S::State,
-    /// The derivative with respect to this state of what is differentiated. What depends on the state on its own account is to be added.
-    pub costate: &'a mut S::StateVector,
-    /// The derivative with respect to the controls held over the step.
-    pub control: &'a S::ControlVector,
-}
-
-impl<S: Differentiable> fmt::Debug for AdjointStep<'_, S> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { step, state, costate, control } = self;
-        f.debug_struct("AdjointStep")
-            .field("step", step)
-            .field("state", state)
-            .field("costate", costate)
-            .field("control", control)
-            .finish()
-    }
 }
 
 /// A step as it was taken: state, time and controls at its start, and the solutions of its equations.
@@ -162,11 +138,13 @@ where
     where
         S: Derives<Adjoint>,
     {
-        self.gradient_with(costate, |_| {})
+        self.gradient_with(costate, |_, _, _, _| {})
     }
 
-    /// As [`gradient`](Self::gradient), of a function that depends on states on the way, too: `each` is shown every step, the last one first,
-    /// and adds to the costate what depends on the state there. It finds the derivative with respect to the controls of this step alone.
+    /// As [`gradient`](Self::gradient), of a function that depends on states on the way, too.
+    ///
+    /// `each` is shown every step, the last one first: its number from 0, the state at its start, the derivative with respect to the controls
+    /// of this step alone, and the costate at its start, to which it adds what depends on the state there on its own account.
     ///
     /// # Errors
     /// If a step cannot be taken, which it was when the tape was recorded, or has
@@ -174,12 +152,12 @@ where
     pub fn gradient_with(
         &self,
         costate: &S::StateVector,
-        mut each: impl FnMut(AdjointStep<'_, S>),
+        mut each: impl FnMut(u64, &S::State, &S::ControlVector, &mut S::StateVector),
     ) -> Result<Gradient<S>, StepError>
     where
         S: Derives<Adjoint>,
     {
-        let mut total = Gradient::<S> { state: *costate, ..Gradient::default() };
+        let mut total = Gradient::<S> { state: *costate, ..Parts::default() };
         let mut taken: Vec<Taken<S, M>> = Vec::new();
         for (segment, (stepper, state)) in self.checkpoints.iter().enumerate().rev() {
             let first = segment as u64 * self.spacing;
@@ -189,11 +167,14 @@ where
                 let control = (self.control)(step);
                 let (start, time) = (state.to_components(), S::Scalar::of(stepper.time()));
                 stepper.step_with(&mut state, &control)?;
-                taken.push((start, time, control.to_components(), stepper.trace()));
+                taken.push((start, time, control.to_components(), stepper.method.trace()));
             }
+            let parameters = &stepper.system.to_parameters();
             for (k, (start, time, control, trace)) in taken.iter().enumerate().rev() {
                 let step = first + k as u64;
-                let derivative = stepper.derivative(start, *time, control, trace);
+                let (step_size, time) = (stepper.step, *time);
+                let start_of_step = StepStart { parameters, step: step_size, state: start, time, control };
+                let derivative = stepper.method.derivative(&start_of_step, trace);
                 let (state, control, parameters) =
                     S::Method::<S::Scalar>::adjoint(&derivative, &to_array(&total.state));
                 if ![state.as_ref(), control.as_ref(), parameters.as_ref()].into_iter().all(all_finite) {
@@ -204,7 +185,7 @@ where
                 add(total.parameters.as_mut_slice(), parameters.as_ref());
                 let control = Dense::from_column(control.as_ref());
                 let state = S::State::from_components(start);
-                each(AdjointStep { step, state: &state, costate: &mut total.state, control: &control });
+                each(step, &state, &control, &mut total.state);
             }
         }
         Ok(total)

@@ -2,31 +2,27 @@
 
 use core::marker::PhantomData;
 
-use super::{
-    DerivativeOf, Differentiable, HasDerivative, JacobianBlocksOf, Linearizable, StepDerivative, StepJacobian,
-};
+use super::{DerivativeOf, HasDerivative, JacobianBlocksOf, StartOf, StepDerivative, StepStart};
 use crate::error::StepError;
+use crate::method::Method;
 use crate::scalar::{Batch, Scalar, Work};
 use crate::stepper::{StepReport, Stepper};
 use crate::system::{Control, Discretized, MethodOf, State, System};
 
 /// The derivatives of the last step, which started so.
-struct JacobianWork<'a, S: System, M, D, B> {
-    stepper: &'a Stepper<S, M, D>,
-    state: &'a S::StateComponents<S::Scalar>,
-    time: S::Scalar,
-    control: &'a S::ControlComponents<S::Scalar>,
+struct JacobianWork<'a, D: Method, B> {
+    method: &'a D,
+    start: StartOf<'a, D>,
     blocks: PhantomData<B>,
 }
 
-impl<S: System, M, D: MethodOf<S>, B: JacobianBlocksOf<S, D>> Work for JacobianWork<'_, S, M, D, B> {
+impl<S: System, D: MethodOf<S>, B: JacobianBlocksOf<S, D>> Work for JacobianWork<'_, D, (S, B)> {
     type CallSite = D::CallSite;
     type Result = B::Jacobian;
 
     #[inline(always)]
     fn done(self) -> B::Jacobian {
-        let Self { stepper: Stepper { system, method, step, .. }, state, time, control, .. } = self;
-        B::matrices(method, &system.to_parameters(), *step, state, time, control)
+        B::matrices(self.method, &self.start)
     }
 }
 
@@ -50,7 +46,9 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
             (state.to_components(), S::Scalar::of(self.time()), (state.clone(), self.left));
         let report = self.step_with(state, control)?;
         let (parameters, control) = (self.system.to_parameters(), control.to_components());
-        let derivative = self.method.last_derivative(&parameters, self.step, &components, time, &control);
+        let (parameters, step, control) = (&parameters, self.step, &control);
+        let start = StepStart { parameters, step, state: &components, time, control };
+        let derivative = self.method.last_derivative(&start);
         if !S::Method::<S::Scalar>::is_finite(&derivative) {
             return Err(self.take_back(state, before));
         }
@@ -71,26 +69,22 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
         state: &mut S::State,
         control: &S::Control,
         _: B,
-    ) -> Result<StepJacobian<B::Jacobian>, StepError>
+    ) -> Result<(B::Jacobian, StepReport), StepError>
     where
         B: JacobianBlocksOf<S, S::Method<S::Scalar>>,
     {
         let (components, time, before) =
             (state.to_components(), S::Scalar::of(self.time()), (state.clone(), self.left));
         let report = self.step_with(state, control)?;
-        let work = JacobianWork::<S, M, S::Method<S::Scalar>, B> {
-            stepper: self,
-            state: &components,
-            time,
-            control: &control.to_components(),
-            blocks: PhantomData,
-        };
+        let (parameters, control) = (&self.system.to_parameters(), &control.to_components());
+        let start = StepStart { parameters, step: self.step, state: &components, time, control };
+        let work = JacobianWork { method: &self.method, start, blocks: PhantomData::<(S, B)> };
         // for wide registers where there are some: what comes of it is the same, the operations are
         let jacobian = S::Scalar::dispatch_fused(work);
         if !B::is_finite(&jacobian) {
             return Err(self.take_back(state, before));
         }
-        Ok(StepJacobian { jacobian, report })
+        Ok((jacobian, report))
     }
 
     /// Takes back a step that has no derivative.
@@ -104,26 +98,5 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
         self.left = left;
         self.taken -= 1;
         StepError::NoDerivative
-    }
-}
-
-impl<S: Differentiable, M, D: MethodOf<S> + Linearizable<S>> Stepper<S, M, D> {
-    /// The solutions of the last step's equations.
-    #[cfg(feature = "std")]
-    pub(crate) fn trace(&self) -> D::Trace {
-        self.method.trace()
-    }
-
-    /// The derivative of a step of this size.
-    #[inline(always)]
-    #[cfg(feature = "std")]
-    pub(crate) fn derivative(
-        &self,
-        state: &S::StateComponents<S::Scalar>,
-        time: S::Scalar,
-        control: &S::ControlComponents<S::Scalar>,
-        trace: &D::Trace,
-    ) -> D::Derivative {
-        self.method.derivative(&self.system.to_parameters(), self.step, state, time, control, trace)
     }
 }

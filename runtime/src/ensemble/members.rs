@@ -75,7 +75,7 @@ pub struct Members {
     /// The step's length.
     pub(crate) step: f64,
     start: f64,
-    taken: u64,
+    pub(crate) taken: u64,
 }
 
 impl Members {

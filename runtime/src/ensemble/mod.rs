@@ -7,7 +7,7 @@
 //! ```
 //! use coadjoint::prelude::*;
 //! use coadjoint::Ensemble;
-//! use coadjoint::ensemble::Distribution;
+//! use std::ops::ControlFlow;
 //!
 //! #[lie_poisson_system(group = SO3)]
 //! struct Body {
@@ -24,21 +24,24 @@
 //! let mut ensemble = Ensemble::<_, Cayley>::new(std::iter::repeat(&body), states, 0.01)?;
 //!
 //! // how far its middle axis has turned over
-//! let mut spread = Distribution::of(|_: &Body, state: &BodyState| state.momentum.y);
-//! let report = ensemble.run_observed(2_000, 500, &mut spread);
-//! assert_eq!((report.steps, report.failures), (2_000, 0));
-//! assert_eq!(spread.series().len(), 5);
-//! assert_eq!(spread.series()[0].deviation, 0.0);
-//! assert!(spread.series()[4].deviation > 0.0);
+//! let mut series = Vec::new();
+//! ensemble.run_observed(2_000, 500, |bodies| {
+//!     series.push(bodies.spread(|_, state| state.momentum.y));
+//!     ControlFlow::Continue(())
+//! });
+//! assert!(ensemble.failed().is_empty());
+//! assert_eq!(series.len(), 5);
+//! assert_eq!(series[0].deviation, 0.0);
+//! assert!(series[4].deviation > 0.0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
 //! Threads are [rayon](https://docs.rs/rayon)'s: `RAYON_NUM_THREADS` in the environment, or a pool of one's own around the call, says how many.
 //! That is the feature `parallel`. Without it there is one thread: the same steps, to the last digit, on one core.
 
-mod distribution;
 mod initial;
 pub(crate) mod members;
+mod spread;
 
 use core::convert::Infallible;
 use core::fmt;
@@ -54,10 +57,10 @@ use crate::flat::{Flat, Method, NotGenerated};
 use crate::scalar::{Batch, Components, Real, Scalar};
 use crate::stepper::{check_state, check_step};
 use crate::system::{Control, Discretized, State, System};
-pub use distribution::{Distribution, Spread};
-pub use initial::InitialStates;
+pub use initial::{normal, uniform};
 pub use members::Instructions;
 use members::{Builder, Member, Members};
+pub use spread::Spread;
 
 /// Many states that move at the same time, with the scheme `M`.
 pub struct Ensemble<S: Discretized<M>, M> {
@@ -124,56 +127,6 @@ pub(crate) fn check_member(
     state.map_err(|source| EnsembleError::State { member, source })
 }
 
-/// How a run of an ensemble went.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct EnsembleReport {
-    /// Steps that every member took, or failed at.
-    pub steps: u64,
-    /// Steps of all members together.
-    pub member_steps: u64,
-    /// Members that failed in this run.
-    pub failures: usize,
-    /// Whether an observer ended the run.
-    pub stopped: bool,
-}
-
-/// An ensemble at one time, for its [observers](EnsembleObserver).
-pub struct Snapshot<'a, S: System> {
-    /// Steps taken in this run.
-    pub index: u64,
-    /// The time, in f64 whatever the scalar.
-    pub time: f64,
-    parameters: &'a [S::Parameters<S::Scalar>],
-    members: &'a Members,
-}
-
-impl<S: System> Snapshot<'_, S> {
-    /// How many members there are, those that failed included.
-    pub fn len(&self) -> usize {
-        self.parameters.len()
-    }
-
-    /// Whether there is no member.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// Those that have failed so far.
-    pub fn failed(&self) -> &[Failed] {
-        &self.members.failed
-    }
-
-    /// The system and the state of each member that has not failed, with its number.
-    pub fn members(&self) -> impl Iterator<Item = (usize, S, S::State)> + '_ {
-        let alive = (0..self.len()).filter(|&member| self.members.is_alive(member));
-        alive.map(|member| {
-            let system = S::from_parameters(&self.parameters[member]);
-            (member, system, state_of::<S>(self.members, member, &mut Vec::new()))
-        })
-    }
-}
-
 /// The state of a member, by way of these numbers.
 fn state_of<S: System>(members: &Members, member: usize, numbers: &mut Vec<f64>) -> S::State {
     members.state(member, numbers);
@@ -192,35 +145,6 @@ impl<S: Discretized<M> + 'static, M: 'static> Builder for Typed<S, M> {
 
     fn method<T: Batch>(&self, parameters: &[T], step: T) -> Result<Box<dyn Method<T>>, Infallible> {
         Ok(Flat::<S::Method<T>, true>::boxed(parameters, step))
-    }
-}
-
-impl<S: System> fmt::Debug for Snapshot<'_, S> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Snapshot")
-            .field("index", &self.index)
-            .field("time", &self.time)
-            .finish_non_exhaustive()
-    }
-}
-
-/// Observes an ensemble. Closures are observers, and pairs show every snapshot to both.
-pub trait EnsembleObserver<S: System> {
-    /// Observes one snapshot. [`ControlFlow::Break`] ends the run there.
-    fn observe(&mut self, snapshot: &Snapshot<'_, S>) -> ControlFlow<()>;
-}
-
-impl<S: System, F: FnMut(&Snapshot<'_, S>) -> ControlFlow<()>> EnsembleObserver<S> for F {
-    fn observe(&mut self, snapshot: &Snapshot<'_, S>) -> ControlFlow<()> {
-        self(snapshot)
-    }
-}
-
-impl<S: System, A: EnsembleObserver<S>, B: EnsembleObserver<S>> EnsembleObserver<S> for (A, B) {
-    fn observe(&mut self, snapshot: &Snapshot<'_, S>) -> ControlFlow<()> {
-        let first = self.0.observe(snapshot);
-        let second = self.1.observe(snapshot);
-        if first.is_break() { first } else { second }
     }
 }
 
@@ -266,34 +190,26 @@ impl<S: Discretized<M> + 'static, M: 'static> Ensemble<S, M> {
         Ok(Self { parameters: all_parameters, members, scheme: PhantomData })
     }
 
-    /// Takes `steps` steps. See [`failed`](Self::failed) for members that could not.
-    pub fn run(&mut self, steps: u64) -> EnsembleReport {
-        self.run_observed(steps, u64::MAX, &mut |_: &Snapshot<'_, S>| ControlFlow::Continue(()))
+    /// Takes `steps` steps, and counts those of all members. See [`failed`](Self::failed) for members that could not.
+    pub fn run(&mut self, steps: u64) -> u64 {
+        self.members.advance_n(steps, None)
     }
 
     /// Takes `steps` steps and shows the ensemble to the observer at the start, after each `interval` steps, and at the end. An interval of 0
-    /// counts as 1.
+    /// counts as 1; [`ControlFlow::Break`] ends the run. Counts the steps of all members.
     pub fn run_observed(
         &mut self,
         steps: u64,
         interval: u64,
-        observer: &mut impl EnsembleObserver<S>,
-    ) -> EnsembleReport {
-        let mut report = EnsembleReport::default();
-        let before = self.members.failed.len();
-        report.stopped = observer.observe(&self.snapshot(0)).is_break();
-        while report.steps < steps && !report.stopped {
-            let stretch = interval.max(1).min(steps - report.steps);
-            report.member_steps += self.members.advance_n(stretch, None);
-            report.steps += stretch;
-            report.stopped = observer.observe(&self.snapshot(report.steps)).is_break();
+        mut observer: impl FnMut(&Self) -> ControlFlow<()>,
+    ) -> u64 {
+        let (mut taken, mut member_steps) = (0, 0);
+        while observer(self).is_continue() && taken < steps {
+            let stretch = interval.max(1).min(steps - taken);
+            member_steps += self.run(stretch);
+            taken += stretch;
         }
-        report.failures = self.members.failed.len() - before;
-        report
-    }
-
-    fn snapshot(&self, index: u64) -> Snapshot<'_, S> {
-        Snapshot { index, time: self.time(), parameters: &self.parameters, members: &self.members }
+        member_steps
     }
 
     /// How many members there are.
@@ -321,6 +237,11 @@ impl<S: Discretized<M> + 'static, M: 'static> Ensemble<S, M> {
         self.members.set_time(time);
     }
 
+    /// The steps taken since the start, or since the time was set.
+    pub fn steps_taken(&self) -> u64 {
+        self.members.taken
+    }
+
     /// The system of a member; none if there are not so many.
     pub fn system(&self, member: usize) -> Option<S> {
         self.parameters.get(member).map(S::from_parameters)
@@ -334,6 +255,21 @@ impl<S: Discretized<M> + 'static, M: 'static> Ensemble<S, M> {
     /// The states of all members, in order.
     pub fn states(&self) -> impl Iterator<Item = S::State> + '_ {
         (0..self.len()).map(|member| state_of::<S>(&self.members, member, &mut Vec::new()))
+    }
+
+    /// The system and the state of each member that has not failed, with its number.
+    pub fn members(&self) -> impl Iterator<Item = (usize, S, S::State)> + '_ {
+        let alive = (0..self.len()).filter(|&member| self.members.is_alive(member));
+        alive.map(|member| {
+            let system = S::from_parameters(&self.parameters[member]);
+            (member, system, state_of::<S>(&self.members, member, &mut Vec::new()))
+        })
+    }
+
+    /// How a quantity is distributed over the members that have not failed.
+    pub fn spread(&self, mut quantity: impl FnMut(&S, &S::State) -> f64) -> Spread {
+        let values = self.members().map(|(_, system, state)| quantity(&system, &state));
+        Spread::of(self.time(), &mut values.filter(|value| !value.is_nan()).collect::<Vec<_>>())
     }
 
     /// The members that failed, in order.

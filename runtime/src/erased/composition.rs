@@ -6,8 +6,8 @@ use std::vec::Vec;
 
 use super::system::System;
 use crate::flat::{Method, NotGenerated};
-use crate::method::{Clock, Counted, StageAccumulator, StepsReport};
-use crate::retraction::Map;
+use crate::method::{Counted, StageAccumulator};
+use crate::retraction::RetractionKind;
 use crate::scalar::Batch;
 use crate::scheme::Rule;
 use crate::schemes::Scheme;
@@ -39,7 +39,7 @@ pub(super) fn composed<T: Batch, E>(
     scheme: &Scheme,
     invariant: bool,
     step: T,
-    generated: &mut dyn FnMut(Map, Rule, T) -> Result<Box<dyn Method<T>>, E>,
+    generated: &mut dyn FnMut(RetractionKind, Rule, T) -> Result<Box<dyn Method<T>>, E>,
 ) -> Result<Box<dyn Method<T>>, E> {
     match scheme.resolved(invariant) {
         Scheme::Step(map, rule) => generated(map, rule, step),
@@ -120,10 +120,6 @@ impl<T: Batch> Method<T> for Composition<T> {
         }
         self.whole = true;
         accumulator.outcome()
-    }
-
-    fn advance_n(&mut self, _: &mut [T], _: Clock, _: &[T], _: u64) -> StepsReport<T> {
-        StepsReport::default()
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {

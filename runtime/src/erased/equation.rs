@@ -3,6 +3,7 @@
 use std::boxed::Box;
 use std::vec::Vec;
 
+use super::system::At;
 use crate::bytecode::{self, Function, Given};
 use crate::double::Double;
 use crate::flat::array;
@@ -105,13 +106,8 @@ struct KernelEquation<K: Kernel<f64>> {
 }
 
 /// The equation of a kernel at a state.
-pub(crate) fn equation<K: Kernel<f64>>(
-    parameters: &[f64],
-    step: f64,
-    state: &[f64],
-    time: f64,
-    control: &[f64],
-) -> Box<dyn Equation> {
+pub(crate) fn equation<K: Kernel<f64>>(parameters: &[f64], at: &At<'_>) -> Box<dyn Equation> {
+    let At { step, state, time, control } = *at;
     let kernel: K = kernel::new(&array(parameters), step);
     let (state, control) = (array(state), array(control));
     let begun = kernel.begin(&state, time, &control);

@@ -7,8 +7,8 @@ use std::vec::Vec;
 use super::system::{At, Geometry, System, length};
 use crate::error::StepError;
 use crate::flat::Method;
-use crate::method::{Clock, Counted, StepsReport};
-use crate::retraction::Map;
+use crate::method::Counted;
+use crate::retraction::RetractionKind;
 use crate::system::{Quantity, Role};
 
 /// How far a configuration is moved along a direction that turns it, in radians: differences of order 8 then miss about as much as rounding.
@@ -48,7 +48,7 @@ fn along(
     let at = |by: f64| {
         let mut tangent = std::vec![0.0; length];
         tangent[direction] = by;
-        system.displace(state, Map::Exponential, &tangent)[stored.clone()].to_vec()
+        system.displace(state, RetractionKind::Exponential, &tangent)[stored.clone()].to_vec()
     };
     let difference = |by: f64, weight: f64| -> Vec<f64> {
         at(by).iter().zip(at(-by)).map(|(after, before)| (after - before) * (weight / by)).collect()
@@ -79,9 +79,6 @@ pub(super) struct ByFunction {
 }
 
 impl Method<f64> for ByFunction {
-    // there is but one member
-    fn rebuild(&mut self, _: &[f64], _: f64) {}
-
     fn advance(
         &mut self,
         state: &[f64],
@@ -95,10 +92,6 @@ impl Method<f64> for ByFunction {
             Ok(_) => Err([Some(StepError::NotFinite)]),
             Err(error) => Err([Some(error)]),
         }
-    }
-
-    fn advance_n(&mut self, _: &mut [f64], _: Clock, _: &[f64], _: u64) -> StepsReport<f64> {
-        StepsReport::default()
     }
 
     // it remembers nothing

@@ -7,7 +7,7 @@ use std::vec::Vec;
 use thiserror::Error;
 
 use super::system::{At, System};
-use crate::derivative::{Differentiable, Linearized, LinearizedVisitor};
+use crate::derivative::{Differentiable, Linearized, LinearizedVisitor, Parts};
 use crate::error::StepError;
 use crate::flat::array;
 use crate::kernel::{self, AtState, Kernel};
@@ -18,16 +18,7 @@ use crate::system;
 
 /// The derivatives of the state after a step, in [left-trivialized coordinates](crate::derivative#coordinates); zeros in the place of those that the
 /// description does not ask for.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Jacobian {
-    /// With respect to the state before the step.
-    pub state: DMatrix<f64>,
-    /// With respect to the controls.
-    pub control: DMatrix<f64>,
-    /// With respect to the parameters, without the description's constants.
-    pub parameters: DMatrix<f64>,
-}
+pub type Jacobian = Parts<DMatrix<f64>>;
 
 /// A step that could not be taken with its derivatives.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -50,8 +41,10 @@ pub enum JacobianError {
 
 /// A generated step with its derivatives.
 pub struct Linearization {
-    next: Vec<f64>,
-    jacobian: Jacobian,
+    /// The state that it leads to.
+    pub next: Vec<f64>,
+    /// Its derivatives, as they are computed.
+    pub jacobian: Jacobian,
 }
 
 /// Differentiates a generated step.

@@ -41,7 +41,7 @@ pub use crate::ensemble::members::MemberLaw;
 pub use crate::flat::NotGenerated;
 #[doc(hidden)]
 pub use crate::flat::{Flat, Method};
-pub use crate::retraction::Map;
+pub use crate::retraction::RetractionKind;
 pub use crate::system::Description;
 pub use ensemble::Ensemble;
 #[doc(hidden)]
@@ -52,7 +52,7 @@ pub use jacobian::{Jacobian, JacobianError};
 pub use stepper::{Stepper, StepperError};
 pub use system::{At, EnsembleSystem, System};
 #[doc(hidden)]
-pub use trial::{Solved, Trial, Units};
+pub use trial::{Solved, Trial, Units, units};
 
 pub(crate) use crate::flat::{array, of_only_lane};
 pub(crate) use composition::method;

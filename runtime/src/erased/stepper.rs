@@ -24,7 +24,7 @@ pub struct Stepper {
     system: Arc<dyn System>,
     /// None of a method of one's own.
     scheme: Option<Scheme>,
-    make: Arc<MakeMethod>,
+    make: Box<MakeMethod>,
     /// Behind a lock that is held by a snapshot alone: what is shown of it could be replaced.
     method: Mutex<Box<dyn Method<f64>>>,
     step: f64,
@@ -62,14 +62,11 @@ impl Stepper {
     /// # Errors
     /// If the parameters are not valid, the step is zero or not finite, or the scheme's steps were not generated.
     pub fn new(system: Arc<dyn System>, scheme: &Scheme, step: f64) -> Result<Self, StepperError> {
-        system.validate()?;
-        check_step(step)?;
-        let method = composition::method(scheme, &*system, step)?;
-        let (own, scheme) = (scheme.clone(), scheme.clone());
-        let make = Arc::new(move |system: &Arc<dyn System>, step| {
-            composition::method(&scheme, &**system, step).ok()
-        });
-        Ok(Self { scheme: Some(own), ..Self::assembled(system, make, method, step) })
+        let own = scheme.clone();
+        let stepper = Self::assembled(system, step, move |system, step| -> Result<_, StepperError> {
+            Ok(composition::method(&own, &**system, step)?)
+        })?;
+        Ok(Self { scheme: Some(scheme.clone()), ..stepper })
     }
 
     /// Builds a stepper whose steps were not generated: those of a method of one's own.
@@ -123,22 +120,24 @@ impl Stepper {
         step: f64,
         make: impl Fn(&Arc<dyn System>, f64) -> Option<Box<dyn Method<f64>>> + Send + Sync + 'static,
     ) -> Result<Self, ParameterError> {
-        system.validate()?;
-        check_step(step)?;
-        let method = make(&system, step).ok_or(ParameterError::Step { step })?;
-        Ok(Self::assembled(system, Arc::new(make), method, step))
+        Self::assembled(system, step, move |system, step| {
+            make(system, step).ok_or(ParameterError::Step { step })
+        })
     }
 
-    fn assembled(
+    fn assembled<E: From<ParameterError>>(
         system: Arc<dyn System>,
-        make: Arc<MakeMethod>,
-        method: Box<dyn Method<f64>>,
         step: f64,
-    ) -> Self {
+        make: impl Fn(&Arc<dyn System>, f64) -> Result<Box<dyn Method<f64>>, E> + Send + Sync + 'static,
+    ) -> Result<Self, E> {
+        system.validate()?;
+        check_step(step)?;
+        let method = Mutex::new(make(&system, step)?);
+        let make = Box::new(move |system: &Arc<dyn System>, step| make(system, step).ok());
         let left = std::vec![0.0; length(system.description().state)];
-        let (method, next) = (Mutex::new(method), left.clone());
+        let (next, scheme) = (left.clone(), None);
         let (start, taken, before, has_left) = (0.0, 0, 0, false);
-        Self { system, scheme: None, make, method, step, start, taken, before, has_left, left, next }
+        Ok(Self { system, scheme, make, method, step, start, taken, before, has_left, left, next })
     }
 
     /// The system.
@@ -333,14 +332,7 @@ impl Stepper {
                 let advanced = method(&mut self.method).advance_n(&mut self.left, clock, control, most);
                 batches = advanced.steps > 0;
                 self.taken += advanced.steps;
-                report.add(&RunReport {
-                    steps: advanced.steps,
-                    stopped: false,
-                    // of the only lane
-                    iterations: advanced.iterations.iter().sum(),
-                    max_iterations: advanced.max_iterations.iter().sum(),
-                    max_residual: advanced.max_residual,
-                });
+                report.add_steps(&advanced);
             }
             if report.steps == count {
                 break Ok(());

@@ -13,7 +13,7 @@ use crate::ensemble::Instructions;
 use crate::ensemble::members::{Builder, Member, Members};
 use crate::error::{ParameterError, StepError};
 use crate::flat::{Flat, Method, array};
-use crate::retraction::Map;
+use crate::retraction::RetractionKind;
 use crate::scalar::Batch;
 use crate::scheme::{Base, Rule};
 use crate::schemes::Scheme;
@@ -51,7 +51,7 @@ pub trait Geometry {
     /// [`System::casimirs`](crate::System::casimirs)
     fn casimirs(&self, state: &[f64]) -> Vec<f64>;
     /// [`system::Geometry::displace`]
-    fn displace(&self, state: &[f64], map: Map, by: &[f64]) -> Vec<f64>;
+    fn displace(&self, state: &[f64], map: RetractionKind, by: &[f64]) -> Vec<f64>;
     /// [`system::Geometry::differential`]
     fn differential(&self, state: &[f64], time: f64, control: &[f64]) -> Vec<f64>;
     /// [`system::Geometry::hamiltonian_vector`]
@@ -98,7 +98,7 @@ impl<S: system::Geometry<Scalar = f64>> Geometry for S {
         system::System::casimirs(self, &state_of::<S>(state)).as_ref().to_vec()
     }
 
-    fn displace(&self, state: &[f64], map: Map, by: &[f64]) -> Vec<f64> {
+    fn displace(&self, state: &[f64], map: RetractionKind, by: &[f64]) -> Vec<f64> {
         let displaced = system::Geometry::displace(self, &state_of::<S>(state), map, &array(by));
         displaced.to_components().as_ref().to_vec()
     }
@@ -141,15 +141,20 @@ pub trait System: Geometry + Send + Sync + 'static {
 
     /// What takes a generated step of this length; none if it was not generated.
     #[doc(hidden)]
-    fn method(&self, map: Map, rule: Rule, step: f64) -> Option<Box<dyn Method<f64>>>;
+    fn method(&self, map: RetractionKind, rule: Rule, step: f64) -> Option<Box<dyn Method<f64>>>;
 
     /// The derivative of a generated step, and where the step leads to; none if it was not generated.
     #[doc(hidden)]
-    fn linearization(&self, map: Map, rule: Rule, at: &At<'_>) -> Option<Result<Linearization, StepError>>;
+    fn linearization(
+        &self,
+        map: RetractionKind,
+        rule: Rule,
+        at: &At<'_>,
+    ) -> Option<Result<Linearization, StepError>>;
 
     /// The equation of a generated step; none if it was not generated.
     #[doc(hidden)]
-    fn equation(&self, map: Map, rule: Rule, at: &At<'_>) -> Option<Box<dyn Equation>>;
+    fn equation(&self, map: RetractionKind, rule: Rule, at: &At<'_>) -> Option<Box<dyn Equation>>;
 }
 
 /// A [`System`] of which there are [ensembles](super::Ensemble); any system over `f64` that the macro made is one too.
@@ -192,15 +197,21 @@ where
         Arc::new(S::from_parameters(&own))
     }
 
-    fn method(&self, map: Map, rule: Rule, step: f64) -> Option<Box<dyn Method<f64>>> {
-        S::visit(map, rule, OfNumbers { parameters: self.to_parameters().as_ref(), step })
+    fn method(&self, map: RetractionKind, rule: Rule, step: f64) -> Option<Box<dyn Method<f64>>> {
+        let parameters = self.to_parameters();
+        S::visit(map, rule, OfMethods::<f64, true> { parameters: parameters.as_ref(), step }).flatten()
     }
 
-    fn linearization(&self, map: Map, rule: Rule, at: &At<'_>) -> Option<Result<Linearization, StepError>> {
+    fn linearization(
+        &self,
+        map: RetractionKind,
+        rule: Rule,
+        at: &At<'_>,
+    ) -> Option<Result<Linearization, StepError>> {
         S::visit_linearized(map, rule, OfDerivatives { parameters: self.to_parameters().as_ref(), at })
     }
 
-    fn equation(&self, map: Map, rule: Rule, at: &At<'_>) -> Option<Box<dyn Equation>> {
+    fn equation(&self, map: RetractionKind, rule: Rule, at: &At<'_>) -> Option<Box<dyn Equation>> {
         S::visit(map, rule, OfEquations { parameters: self.to_parameters().as_ref(), at })
     }
 }
@@ -234,29 +245,8 @@ const fn is_standard<S: system::System>(rule: Rule) -> bool {
 
 /// Whether a step of one state is compiled for the widest registers too, so as to be taken together with others: where it is the standard one by
 /// itself. The others are rarely taken for long, and each would be compiled twice more.
-const fn is_taken_together<S: system::System>(map: Map, rule: Rule) -> bool {
+const fn is_taken_together<S: system::System>(map: RetractionKind, rule: Rule) -> bool {
     S::INVARIANT && map.is_matrix_function() && is_standard::<S>(rule)
-}
-
-/// Steps of one state.
-struct OfNumbers<'a> {
-    parameters: &'a [f64],
-    step: f64,
-}
-
-impl<S: system::System> Visitor<S> for OfNumbers<'_> {
-    type Output = Box<dyn Method<f64>>;
-
-    fn visit<M: Base>(self) -> Self::Output
-    where
-        S: Generated<M>,
-    {
-        if const { is_taken_together::<S>(M::MAP, M::RULE) } {
-            Flat::<OneStep<f64, S::Kernel<f64>>, true>::boxed(self.parameters, self.step)
-        } else {
-            Flat::<OneStep<f64, S::Kernel<f64>>, false>::boxed(self.parameters, self.step)
-        }
-    }
 }
 
 /// The standard step on the Cayley map, of states side by side.
@@ -266,19 +256,20 @@ impl<S: Schemes> Builder for Standard<S> {
     type Error = ();
 
     fn method<T: Batch>(&self, parameters: &[T], step: T) -> Result<Box<dyn Method<T>>, ()> {
-        let mut generated =
-            |map, rule, step| S::visit(map, rule, OfLanes { parameters, step }).flatten().ok_or(());
-        composed(&Scheme::Standard(Map::Cayley), S::INVARIANT, step, &mut generated)
+        let mut generated = |map, rule, step| {
+            S::visit(map, rule, OfMethods::<T, false> { parameters, step }).flatten().ok_or(())
+        };
+        composed(&Scheme::Standard(RetractionKind::Cayley), S::INVARIANT, step, &mut generated)
     }
 }
 
-/// Steps of states side by side.
-struct OfLanes<'a, T> {
+/// Steps, of one state or of several side by side; all of them, or those alone that the [`Standard`] one is made of.
+struct OfMethods<'a, T, const ALL: bool> {
     parameters: &'a [T],
     step: T,
 }
 
-impl<T: Batch, S: system::System> Visitor<S> for OfLanes<'_, T> {
+impl<T: Batch, S: system::System, const ALL: bool> Visitor<S> for OfMethods<'_, T, ALL> {
     type Output = Option<Box<dyn Method<T>>>;
 
     fn visit<M: Base>(self) -> Self::Output
@@ -286,15 +277,14 @@ impl<T: Batch, S: system::System> Visitor<S> for OfLanes<'_, T> {
         S: Generated<M>,
     {
         // what is not asked for is not compiled
-        if const { !(matches!(M::MAP, Map::Cayley) && is_standard::<S>(M::RULE)) } {
+        if const { !ALL && !(matches!(M::MAP, RetractionKind::Cayley) && is_standard::<S>(M::RULE)) } {
             return None;
         }
-        // one by one, the same that a stepper takes
-        if const { T::LANES > 1 || is_taken_together::<S>(M::MAP, M::RULE) } {
-            Some(Flat::<OneStep<T, S::Kernel<T>>, true>::boxed(self.parameters, self.step))
+        Some(if const { T::LANES > 1 || is_taken_together::<S>(M::MAP, M::RULE) } {
+            Flat::<OneStep<T, S::Kernel<T>>, true>::boxed(self.parameters, self.step)
         } else {
-            Some(Flat::<OneStep<T, S::Kernel<T>>, false>::boxed(self.parameters, self.step))
-        }
+            Flat::<OneStep<T, S::Kernel<T>>, false>::boxed(self.parameters, self.step)
+        })
     }
 }
 
@@ -311,7 +301,6 @@ impl<S: system::System> Visitor<S> for OfEquations<'_> {
     where
         S: Generated<M>,
     {
-        let At { step, state, time, control } = *self.at;
-        equation::<S::Kernel<f64>>(self.parameters, step, state, time, control)
+        equation::<S::Kernel<f64>>(self.parameters, self.at)
     }
 }

@@ -68,6 +68,24 @@ pub struct Units {
     pub allowed: f64,
 }
 
+/// How far a state is from the one to which a solution leads, in these blocks of numbers of one unit each: the digits of
+/// a block are those of its largest number.
+pub fn units(next: &[f64], [end, left]: &[Vec<f64>; 2], allowed: &[f64], blocks: &[Vec<usize>]) -> Units {
+    let mut worst = Units { of_rounding: 0.0, block: 0, allowed: 0.0 };
+    for (block, places) in blocks.iter().enumerate() {
+        let most = |of: &dyn Fn(usize) -> f64| {
+            places.iter().fold(0.0, |most: f64, i| if of(*i) <= most { most } else { of(*i) })
+        };
+        let off = most(&|i| ((next[i] - end[i]) - left[i]).abs());
+        let (allowed, size) = (most(&|i| allowed[i]), most(&|i| next[i].abs()));
+        let of_rounding = off / allowed.max(f64::EPSILON * LEAST);
+        if !(of_rounding <= worst.of_rounding) {
+            worst = Units { of_rounding, block, allowed: allowed / size.max(LEAST) };
+        }
+    }
+    worst
+}
+
 fn exactly(numbers: &[f64]) -> Vec<Bounded<f64>> {
     numbers.iter().map(|x| Bounded::exactly(*x)).collect()
 }
@@ -121,25 +139,6 @@ impl<'a> Trial<'a> {
             }
         }
         allowed
-    }
-
-    /// How far a state is from the one to which a solution leads, in these blocks of numbers of one unit each: the
-    /// digits of a block are those of its largest number.
-    pub fn units(&mut self, solved: &Solved, next: &[f64], blocks: &[Vec<usize>]) -> Units {
-        let allowed = self.allowed(solved);
-        let off = |i: usize| (Wide::exactly(next[i]) - solved.next[i]).parts()[0].abs();
-        let mut worst = Units { of_rounding: 0.0, block: 0, allowed: 0.0 };
-        for (block, places) in blocks.iter().enumerate() {
-            let most = |of: &dyn Fn(usize) -> f64| {
-                places.iter().fold(0.0, |most: f64, i| if of(*i) <= most { most } else { of(*i) })
-            };
-            let (off, allowed, size) = (most(&off), most(&|i| allowed[i]), most(&|i| next[i].abs()));
-            let of_rounding = off / allowed.max(f64::EPSILON * LEAST);
-            if !(of_rounding <= worst.of_rounding) {
-                worst = Units { of_rounding, block, allowed: allowed / size.max(LEAST) };
-            }
-        }
-        worst
     }
 
     /// Whether two solutions are the same, as far as rounding lets them be told apart.

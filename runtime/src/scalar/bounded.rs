@@ -3,9 +3,7 @@
 //! Each operation adds half a unit in the last place of its result, and hands on what its operands carry, by its derivatives. N. J. Higham,
 //! *Accuracy and Stability of Numerical Algorithms*, 2nd ed., section 3.3. However terms cancel, the bound is that of the terms.
 
-use core::ops::{Add, Div, Mul, Neg, Sub};
-
-use crate::scalar::{Real, Scalar};
+use crate::scalar::{Real, Scalar, operators};
 
 /// A number, and a bound of its error in units of epsilon.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,48 +51,17 @@ impl<T: Real> Bounded<T> {
     }
 }
 
-impl<T: Real> Add for Bounded<T> {
-    type Output = Self;
-    #[inline]
-    fn add(self, other: Self) -> Self {
-        Self::rounded(self.value + other.value, self.error + other.error)
-    }
-}
-
-impl<T: Real> Sub for Bounded<T> {
-    type Output = Self;
-    #[inline]
-    fn sub(self, other: Self) -> Self {
-        Self::rounded(self.value - other.value, self.error + other.error)
-    }
-}
-
-impl<T: Real> Mul for Bounded<T> {
-    type Output = Self;
-    #[inline]
-    fn mul(self, other: Self) -> Self {
-        let brought = self.value.abs() * other.error + other.value.abs() * self.error;
-        Self::rounded(self.value * other.value, brought)
-    }
-}
-
-impl<T: Real> Div for Bounded<T> {
-    type Output = Self;
-    #[inline]
-    fn div(self, other: Self) -> Self {
-        let value = self.value / other.value;
-        let brought = self.error + value.abs() * other.error;
-        let brought = if brought > T::of(0.0) { brought / other.certain() } else { brought };
-        Self::rounded(value, brought)
-    }
-}
-
-impl<T: Real> Neg for Bounded<T> {
-    type Output = Self;
-    #[inline]
-    fn neg(self) -> Self {
-        Self { value: -self.value, ..self }
-    }
+operators! {
+    Bounded<T: Real>;
+    -x = Self { value: -x.value, ..x };
+    Add add(a, b) = Self::rounded(a.value + b.value, a.error + b.error);
+    Sub sub(a, b) = Self::rounded(a.value - b.value, a.error + b.error);
+    Mul mul(a, b) = Self::rounded(a.value * b.value, a.value.abs() * b.error + b.value.abs() * a.error);
+    Div div(a, b) = {
+        let value = a.value / b.value;
+        let brought = a.error + value.abs() * b.error;
+        Self::rounded(value, if brought > T::of(0.0) { brought / b.certain() } else { brought })
+    };
 }
 
 impl<T: Real> Scalar for Bounded<T> {

@@ -87,6 +87,43 @@ pub trait Scalar:
     fn angle_over_sine<const N: u32>(self) -> Self;
 }
 
+/// The operators of a kind of numbers.
+macro_rules! operators {
+    ($number:ident<$t:ident: $bound:ident>; -$x:ident = $negative:expr; $($trait:ident $name:ident($a:ident, $b:ident) = $value:expr;)*) => {
+        impl<$t: $bound> core::ops::Neg for $number<$t> {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                let $x = self;
+                $negative
+            }
+        }
+
+        $(impl<$t: $bound> core::ops::$trait for $number<$t> {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, $b: Self) -> Self {
+                let $a = self;
+                $value
+            }
+        })*
+    };
+}
+pub(crate) use operators;
+
+/// Functions of numbers that are made of others, by those of one part.
+#[cfg(feature = "std")]
+macro_rules! functions {
+    ($make:expr, $part:tt; $($name:ident($($operand:ident),*))*) => {
+        $(#[inline(always)]
+        fn $name(self $(, $operand: Self)*) -> Self {
+            $make(Scalar::$name(self.$part $(, $operand.$part)*))
+        })*
+    };
+}
+#[cfg(feature = "std")]
+pub(crate) use functions;
+
 macro_rules! delegate {
     ($($name:ident),*) => {
         $(#[inline(always)]
@@ -158,7 +195,10 @@ pub trait Batch: Scalar + sealed::Sealed {
     const MIN_POSITIVE: f64;
 
     /// The same for each lane.
-    fn all<X: Copy + Send + Sync>(value: X) -> Self::Each<X>;
+    #[inline(always)]
+    fn all<X: Copy + Send + Sync>(value: X) -> Self::Each<X> {
+        Self::each(|_| value)
+    }
     /// What `value` gives for each lane.
     fn each<X: Copy + Send + Sync>(value: impl FnMut(usize) -> X) -> Self::Each<X>;
     /// The number in a lane.
@@ -316,10 +356,6 @@ macro_rules! real {
             const MIN_POSITIVE: f64 = $t::MIN_POSITIVE as f64;
             const PAIRS: bool = Self::IS_DOUBLE;
 
-            #[inline(always)]
-            fn all<X: Copy + Send + Sync>(value: X) -> [X; 1] {
-                [value]
-            }
             #[inline(always)]
             fn each<X: Copy + Send + Sync>(mut value: impl FnMut(usize) -> X) -> [X; 1] {
                 [value(0)]

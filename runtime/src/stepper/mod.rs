@@ -308,14 +308,7 @@ impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
                 *state = S::State::from_components(&components);
                 self.left = Some(components);
                 self.taken += advanced.steps;
-                report.add(&RunReport {
-                    steps: advanced.steps,
-                    stopped: false,
-                    // of the only lane
-                    iterations: advanced.iterations.as_ref().iter().sum(),
-                    max_iterations: advanced.max_iterations.as_ref().iter().sum(),
-                    max_residual: advanced.max_residual.to_f64(),
-                });
+                report.add_steps(&advanced);
                 if report.steps == count {
                     break;
                 }
@@ -404,7 +397,7 @@ mod tests {
     use crate::scheme::{StormerVerlet, SymplecticEulerA};
     use crate::system::Discretized;
     use crate::system::{NoControl, System};
-    use crate::test_system::{Body, BodyState, Oscillator, OscillatorControl, OscillatorState};
+    use crate::tests::{Body, BodyState, Oscillator, OscillatorControl, OscillatorState};
     use nalgebra::{UnitQuaternion, Vector3};
 
     const DRIVEN: Oscillator = Oscillator { mass: 1.5, stiffness: 4.0, drive: 0.7 };

@@ -4,6 +4,8 @@ use thiserror::Error;
 
 use super::StepReport;
 use crate::error::StepError;
+use crate::method::StepsReport;
+use crate::scalar::Real;
 
 /// How a run went.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -39,6 +41,18 @@ impl RunReport {
     }
 
     /// Counts the steps of another report, too.
+    /// Counts steps that a method has taken, of one lane.
+    #[inline(always)]
+    pub(crate) fn add_steps<T: Real>(&mut self, more: &StepsReport<T>) {
+        self.add(&Self {
+            steps: more.steps,
+            stopped: false,
+            iterations: more.iterations.as_ref().iter().sum(),
+            max_iterations: more.max_iterations.as_ref().iter().sum(),
+            max_residual: more.max_residual.to_f64(),
+        });
+    }
+
     #[inline(always)]
     pub(crate) fn add(&mut self, more: &Self) {
         self.steps += more.steps;

@@ -7,7 +7,7 @@
 //! [stepper](crate::stepper::Stepper) needs none of them.
 
 use super::System;
-use crate::retraction::Map;
+use crate::retraction::RetractionKind;
 use crate::scalar::{Components, Scalar};
 
 /// The local coordinates and the Poisson structure of a system's states. Implemented by the macro.
@@ -16,7 +16,7 @@ pub trait Geometry: System {
     type Tangent: Components<Self::Scalar>;
 
     /// The state displaced by a tangent vector.
-    fn displace(&self, state: &Self::State, map: Map, by: &Self::Tangent) -> Self::State;
+    fn displace(&self, state: &Self::State, map: RetractionKind, by: &Self::Tangent) -> Self::State;
 
     /// The differential `dh` of the energy at a time and with controls: its derivative along each component of a tangent vector.
     fn differential(&self, state: &Self::State, time: Self::Scalar, control: &Self::Control)

@@ -18,7 +18,7 @@ use crate::error::ParameterError;
 use crate::kernel::Kernel;
 use crate::legendre::LegendreError;
 use crate::method::{AdjointPair, Method};
-use crate::retraction::{Cayley, Exponential, Map, SecondKind};
+use crate::retraction::{Cayley, Exponential, RetractionKind, SecondKind};
 use crate::scalar::{Batch, Components, Real, Scalar};
 use crate::scheme::{Base, Family, Rule, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift};
 use crate::solve::step::OneStep;
@@ -166,6 +166,7 @@ pub trait Control: Clone + PartialEq + fmt::Debug + Default {
 }
 
 /// The controls of a system that has none.
+#[derive(Clone, Copy, PartialEq)]
 pub struct NoControl<T>(PhantomData<T>);
 
 impl<T: Real> Control for NoControl<T> {
@@ -189,22 +190,6 @@ impl<T> Default for NoControl<T> {
         Self(PhantomData)
     }
 }
-
-impl<T> Clone for NoControl<T> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<T> Copy for NoControl<T> {}
-
-impl<T> PartialEq for NoControl<T> {
-    fn eq(&self, _: &Self) -> bool {
-        true
-    }
-}
-
-impl<T> Eq for NoControl<T> {}
 
 impl<T> fmt::Debug for NoControl<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -406,7 +391,7 @@ pub trait Retracted<R>: System {
 pub trait Schemes: System {
     /// Shows the visitor the type that stands for a generated step; none if it was not generated.
     #[doc(hidden)]
-    fn visit<V: Visitor<Self>>(map: Map, rule: Rule, visitor: V) -> Option<V::Output>;
+    fn visit<V: Visitor<Self>>(map: RetractionKind, rule: Rule, visitor: V) -> Option<V::Output>;
 }
 
 /// Makes something of a generated step of the system `S`.
@@ -540,44 +525,35 @@ impl<T: RealField + Copy> Stored<T, 2> for UnitComplex<T> {
     }
 }
 
-impl<T: RealField + Copy> Stored<T, 7> for Isometry3<T> {
-    #[inline(always)]
-    fn to_array(&self) -> [T; 7] {
-        let [w, i, j, k] = self.rotation.to_array();
-        let [x, y, z] = self.translation.vector.to_array();
-        [w, i, j, k, x, y, z]
-    }
-    #[inline(always)]
-    fn from_array([w, i, j, k, x, y, z]: [T; 7]) -> Self {
-        Isometry3::from_parts(Translation3::new(x, y, z), Stored::from_array([w, i, j, k]))
-    }
-    #[inline]
-    fn deviation(&self, zero: T) -> T {
-        self.rotation.deviation(zero)
-    }
+macro_rules! isometries {
+    ($($isometry:ident, $translation:ident, $n:literal: [$($turn:ident),*], [$($place:ident),*];)*) => {
+        $(impl<T: RealField + Copy> Stored<T, $n> for $isometry<T> {
+            #[inline(always)]
+            fn to_array(&self) -> [T; $n] {
+                let [$($turn),*] = self.rotation.to_array();
+                let [$($place),*] = self.translation.vector.to_array();
+                [$($turn,)* $($place),*]
+            }
+            #[inline(always)]
+            fn from_array([$($turn,)* $($place),*]: [T; $n]) -> Self {
+                Self::from_parts($translation::new($($place),*), Stored::from_array([$($turn),*]))
+            }
+            #[inline]
+            fn deviation(&self, zero: T) -> T {
+                self.rotation.deviation(zero)
+            }
+        })*
+    };
 }
-
-impl<T: RealField + Copy> Stored<T, 4> for Isometry2<T> {
-    #[inline(always)]
-    fn to_array(&self) -> [T; 4] {
-        let [re, im] = self.rotation.to_array();
-        let [x, y] = self.translation.vector.to_array();
-        [re, im, x, y]
-    }
-    #[inline(always)]
-    fn from_array([re, im, x, y]: [T; 4]) -> Self {
-        Isometry2::from_parts(Translation2::new(x, y), Stored::from_array([re, im]))
-    }
-    #[inline]
-    fn deviation(&self, zero: T) -> T {
-        self.rotation.deviation(zero)
-    }
+isometries! {
+    Isometry3, Translation3, 7: [w, i, j, k], [x, y, z];
+    Isometry2, Translation2, 4: [re, im], [x, y];
 }
 
 #[cfg(all(test, feature = "std"))]
 mod tests {
     use super::*;
-    use crate::test_system::{Oscillator, OscillatorControl, OscillatorState};
+    use crate::tests::{Oscillator, OscillatorControl, OscillatorState};
     use nalgebra::{Matrix2, Vector2, Vector3};
 
     /// There and back, both ways.

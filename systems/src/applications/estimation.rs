@@ -109,7 +109,7 @@ pub fn simulate(craft: &Spacecraft, seed: u64) -> Result<Vec<FilterUpdate>, Fail
         true_stepper.step_with(&mut truth, &SpacecraftControl { torque: noise.vector(TORQUE_NOISE) })?;
         let (a, b): (Matrix6<f64>, SMatrix<f64, 6, 3>) = stepper
             .step_with_jacobian(&mut filter.state, &SpacecraftControl::default(), (WrtState, WrtControl))?
-            .jacobian;
+            .0;
         filter.covariance = a * filter.covariance * a.transpose() + TORQUE_NOISE.powi(2) * b * b.transpose();
     }
     Ok(updates)

@@ -5,7 +5,7 @@
 //! and parameters, the sensitivity `S = ∂Π/∂z` goes along with the motion, `S' = A S + P`; and `z` improves by the solution `δ` of
 //! `(Σ JᵀJ) δ = Σ Jᵀr` with `J = ∂(𝓘⁻¹Π)/∂z`.
 
-use coadjoint::derivative::{Block, WrtParameters, WrtState};
+use coadjoint::derivative::{WrtParameters, WrtState, block};
 use coadjoint::prelude::*;
 use nalgebra::{SMatrix, SVector};
 
@@ -164,9 +164,9 @@ fn normal_equations(
         }
         let control = SpacecraftControl { torque: torque(step) };
         let (wrt_state, wrt_inertia) =
-            stepper.step_with_jacobian(&mut state, &control, (WrtState, WrtParameters))?.jacobian;
-        sensitivity = wrt_state.block(Indices::MOMENTUM, Indices::MOMENTUM) * sensitivity;
-        let wrt_entries = wrt_inertia.block(Indices::MOMENTUM, Indices::INERTIA);
+            stepper.step_with_jacobian(&mut state, &control, (WrtState, WrtParameters))?.0;
+        sensitivity = block(&wrt_state, Indices::MOMENTUM, Indices::MOMENTUM) * sensitivity;
+        let wrt_entries = block(&wrt_inertia, Indices::MOMENTUM, Indices::INERTIA);
         for (column, (i, j)) in ENTRIES.into_iter().enumerate() {
             let mut total = sensitivity.column(column) + wrt_entries.column(3 * i + j);
             if i != j {

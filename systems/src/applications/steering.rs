@@ -90,7 +90,7 @@ fn shoot(
         for _ in 0..LENGTH {
             let control = SpacecraftControl { torque };
             let (wrt_state, wrt_torque) =
-                stepper.step_with_jacobian(&mut state, &control, (WrtState, WrtControl))?.jacobian;
+                stepper.step_with_jacobian(&mut state, &control, (WrtState, WrtControl))?.0;
             wrt_pulses = wrt_state * wrt_pulses;
             let mut own = wrt_pulses.fixed_columns_mut::<3>(3 * j);
             own += wrt_torque;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use coadjoint::Scheme;
 use coadjoint::composition::{KahanLi8, SofroniouSpaletta10};
-use coadjoint::erased::{Map, Stepper};
+use coadjoint::erased::{RetractionKind, Stepper};
 use coadjoint::prelude::*;
 use coadjoint::system::Role;
 use coadjoint_app::Entry;
@@ -47,7 +47,7 @@ fn the_vector_field_is_the_motion_of_generated_steps(name: &str) {
     let system = entry.system(&setup.parameters);
     let law = entry.law(&setup);
     let is_exponential = Retraction::of(entry).contains(&Retraction::Exponential);
-    let map = if is_exponential { Map::Exponential } else { Map::Cayley };
+    let map = if is_exponential { RetractionKind::Exponential } else { RetractionKind::Cayley };
     let scheme = Scheme::composed::<SofroniouSpaletta10>(Scheme::Standard(map));
     let (states, _) = states_in_motion(entry, &setup).expect("solvable");
     let small = entry.step / 16.0;
@@ -327,7 +327,7 @@ fn keeps_its_order(system: impl coadjoint::erased::System, start: &[f64]) {
         stepper.expect("valid").steps(&mut state, &[], steps).expect("solvable");
         state
     };
-    let scheme = Scheme::composed::<KahanLi8>(Scheme::Standard(Map::Exponential));
+    let scheme = Scheme::composed::<KahanLi8>(Scheme::Standard(RetractionKind::Exponential));
     let mut exact = start.to_vec();
     let mut stepper = Stepper::new(system.clone(), &scheme, duration / 400.0).expect("generated");
     stepper.steps(&mut exact, &[], 400).expect("solvable");

@@ -216,7 +216,7 @@ macro_rules! derivatives_agree {
         let taken = stepper.step_with_jacobian(&mut state, &control, WrtControl).expect("solvable");
         let known =
             reference.step_with_jacobian(&mut beside, &NoControl::default(), WrtParameters).expect("solvable");
-        let (one, all) = (taken.jacobian, known.jacobian);
+        let (one, all) = (taken.0, known.0);
         let fields = all.ncols() - one.ncols();
         assert_same(one.as_slice(), all.columns(fields, one.ncols()).into_owned().as_slice());
         assert!(one.amax() > 1e-3, "{one}");

@@ -4,9 +4,9 @@
 use coadjoint::composition::{Order4, Order10};
 mod described;
 
-use coadjoint::__private::{Geometry, Map};
+use coadjoint::__private::{Geometry, RetractionKind};
 use coadjoint::derivative::{
-    Adjoint, CheckpointedTape, Dense, Derives, Linearizable, Perturbation, Tangent, WrtControl,
+    Adjoint, CheckpointedTape, Dense, Derives, Linearizable, Parts, Perturbation, Tangent, WrtControl,
     WrtParameters, WrtState,
 };
 use coadjoint::nalgebra::{DMatrix, DVector};
@@ -199,7 +199,7 @@ fn sample<S: Example>(random: &mut Random) -> (S, S::State, S::Control) {
     }
     assert_eq!(zero.as_ref().len(), sizes.len());
     let by: S::Tangent = array(|i| sizes[i] * random.between(-1.0, 1.0));
-    let state = system.displace(&start, Map::Exponential, &by);
+    let state = system.displace(&start, RetractionKind::Exponential, &by);
     let control = control.to_components();
     let control: <S::Control as Control>::Components =
         array(|i| control.as_ref()[i] + random.between(-0.5, 0.5));
@@ -453,7 +453,7 @@ fn agrees_with_differences<S, M>(
     stepper.set_time(time);
     let blocks = (WrtState, WrtControl, WrtParameters);
     let taken = stepper.step_with_jacobian(&mut after, &control, blocks).expect("solvable");
-    let (wrt_state, wrt_control, wrt_parameters) = taken.jacobian;
+    let (wrt_state, wrt_control, wrt_parameters) = taken.0;
     let n = wrt_state.as_slice().len().isqrt();
     let (parameters, controls) = (system.to_parameters(), control.to_components());
     // per 1, of each by its own size
@@ -530,7 +530,7 @@ fn groups_of_matrices_have_derivatives_too() {
         (system, state, the_same)
     }
     fn displaced<S: Geometry<Scalar = f64>>(system: &S, state: &S::State, by: &[f64]) -> S::State {
-        system.displace(state, Map::Exponential, &array(|i| by[i]))
+        system.displace(state, RetractionKind::Exponential, &array(|i| by[i]))
     }
     use described::{AffineBody, FourDimensionalBody, Navigation, ThreeLevelAtom};
     let (body, start, control) = known::<FourDimensionalBody, four_dimensional_body::FourDimensionalBody>();
@@ -575,7 +575,7 @@ fn a_run_backwards_is_the_transpose_of_the_run_forwards() {
     for step in 0..STEPS {
         let blocks = (WrtState, WrtControl, WrtParameters);
         let taken = stepper.step_with_jacobian(&mut state, &control(step), blocks).expect("solvable");
-        let (a, b, p) = taken.jacobian;
+        let (a, b, p) = taken.0;
         wrt_start = a * wrt_start;
         wrt_parameters = Some(wrt_parameters.map_or(p, |earlier| a * earlier + p));
         wrt_controls.iter_mut().for_each(|earlier| *earlier = a * *earlier);
@@ -607,7 +607,7 @@ fn a_run_backwards_is_the_transpose_of_the_run_forwards() {
     assert!((tangent - product).amax() < ROUNDING * product.amax(), "{tangent} {product}");
 
     let mut visited = Vec::new();
-    let gradient = run.gradient_with(&costate, |adjoint| visited.push((adjoint.step, *adjoint.control)));
+    let gradient = run.gradient_with(&costate, |step, _, control, _| visited.push((step, *control)));
     let gradient = gradient.expect("as before");
     let (forward, backward) = (
         costate.dot(&tangent),
@@ -626,13 +626,10 @@ fn a_run_backwards_is_the_transpose_of_the_run_forwards() {
         let product = wrt_controls[*step as usize].tr_mul(&costate);
         assert!((of_control - product).amax() < ROUNDING * product.amax().max(1.0), "{step}");
     }
-    assert_eq!(
-        gradient,
-        Perturbation { state: gradient.state, ..run.gradient(&costate).expect("as before") }
-    );
+    assert_eq!(gradient, Parts { state: gradient.state, ..run.gradient(&costate).expect("as before") });
 
     // a function of all states on the way: the sum of what each contributes
-    let total = run.gradient_with(&costate, |adjoint| *adjoint.costate += costate).expect("as before").state;
+    let total = run.gradient_with(&costate, |_, _, _, there| *there += costate).expect("as before").state;
     let mut expected = wrt_start.tr_mul(&costate);
     let (mut state, mut stepper) = (start, system.stepper::<Cayley>(0.01).expect("valid"));
     stepper.set_time(0.3);
@@ -640,7 +637,7 @@ fn a_run_backwards_is_the_transpose_of_the_run_forwards() {
     for step in 0..STEPS {
         expected += so_far.tr_mul(&costate);
         let taken = stepper.step_with_jacobian(&mut state, &control(step), WrtState).expect("solvable");
-        so_far = taken.jacobian * so_far;
+        so_far = taken.0 * so_far;
     }
     assert!((total - expected).amax() < ROUNDING * expected.amax(), "{total} {expected}");
 
@@ -658,7 +655,7 @@ fn an_error_leaves_the_state() {
     state.momentum.x = f64::NAN;
     let mut stepper = system.stepper::<Cayley>(0.1).expect("valid");
     let error = stepper.step_with_jacobian(&mut state, &NoControl::default(), WrtState);
-    assert_eq!(error.map(|step| step.report), Err(StepError::NotFinite));
+    assert_eq!(error.map(|step| step.1), Err(StepError::NotFinite));
     assert_eq!((state.attitude, state.momentum.yz()), (start.attitude, start.momentum.yz()));
     let failed = CheckpointedTape::new(&mut stepper, &mut state, 5, |_| NoControl::default());
     assert_eq!(failed.expect_err("no number").step, 1);
@@ -680,7 +677,7 @@ fn a_carried_momentum_has_the_same_derivative() {
     {
         let mut stepper = system.stepper::<M>(0.05).expect("valid");
         stepper.step_with(&mut state, control).expect("solvable");
-        stepper.step_with_jacobian(&mut state, control, WrtState).expect("solvable").jacobian
+        stepper.step_with_jacobian(&mut state, control, WrtState).expect("solvable").0
     }
     let plain = jacobian::<Midpoint<Cayley>>(&system, start, &control);
     let carried = jacobian::<RightLift<Midpoint<Cayley>>>(&system, start, &control);
@@ -704,10 +701,10 @@ fn single_precision_has_derivatives_too() {
     let mut state = start;
     let blocks = (WrtState, WrtParameters);
     let mut stepper = body.stepper::<Exponential>(0.05).expect("valid");
-    let (a, p) = stepper.step_with_jacobian(&mut state, &control, blocks).expect("solvable").jacobian;
+    let (a, p) = stepper.step_with_jacobian(&mut state, &control, blocks).expect("solvable").0;
     let mut stepper = small.stepper::<Exponential>(0.05).expect("valid");
     let step = stepper.step_with_jacobian(&mut small_state, &NoControl::default(), blocks);
-    let (b, q) = step.expect("solvable").jacobian;
+    let (b, q) = step.expect("solvable").0;
     let of_state = (a - b.cast::<f64>()).amax() / a.amax();
     let of_parameters = (p - q.cast::<f64>()).amax() / p.amax();
     assert!(of_state < 3e-6 && of_parameters < 3e-6, "{of_state:e} {of_parameters:e}");

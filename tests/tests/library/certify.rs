@@ -7,14 +7,14 @@ use std::sync::atomic::Ordering::Relaxed;
 
 use coadjoint::__private::OneStep;
 use coadjoint::__private::{Batch, Scalar};
-use coadjoint::__private::{Geometry, Map};
+use coadjoint::__private::{Geometry, RetractionKind};
 use coadjoint::__private::{Method, Outcome};
 use coadjoint::certify;
 use coadjoint::certify::{
-    Certification, CertifyError, Claimed, KernelProbe, Report, Verdict, certify_erased,
+    Certification, CertifyError, Claimed, KernelPart, Report, Verdict, certify_erased, kernel,
 };
 use coadjoint::derivative::LinearizedSchemes;
-use coadjoint::erased::{self, Description};
+use coadjoint::erased::{self, At, Description};
 use coadjoint::prelude::*;
 use coadjoint::scheme::Rule;
 use coadjoint::system::{Generated, Schemes, Visitor};
@@ -344,14 +344,14 @@ fn two_bodies() {
 struct Boast<'a> {
     properties: Properties,
     definition: Option<Scheme>,
-    kernels: &'a dyn Fn(&mut KernelProbe<'_>, f64),
+    kernels: &'a dyn Fn(usize, &At<'_>) -> Option<KernelPart>,
 }
 
 impl<'a> Boast<'a> {
     /// With all that a scheme promises of a body's steps, and no kernels to show.
     fn of<C: SchemeType>() -> Self {
         let properties = C::scheme().properties(&Description::of::<Body>());
-        Self { properties, definition: Some(C::scheme()), kernels: &|_, _| {} }
+        Self { properties, definition: Some(C::scheme()), kernels: &|_, _| None }
     }
 
     fn report<M, S>(self, system: &S, states: &[S::State]) -> Result<Report, CertifyError>
@@ -442,7 +442,7 @@ impl Discretized<Leaky> for Body {
 fn leaky() -> Boast<'static> {
     let properties =
         Properties { order: 2, symmetric: true, poisson: true, casimirs: ConservedCasimirs::All };
-    Boast { properties, definition: None, kernels: &|_, _| {} }
+    Boast { properties, definition: None, kernels: &|_, _| None }
 }
 
 #[test]
@@ -525,11 +525,8 @@ aged! {
 fn a_step_that_depends_on_what_is_remembered_is_found() {
     let (body, states) = body();
     // the midpoint rule's kernels, and hardly a promise
-    let aged = || Boast {
-        definition: None,
-        kernels: &|probe, step| probe.kernel::<Body, Midpoint>(step),
-        ..Boast::of::<TangentLift>()
-    };
+    let midpoint = |index: usize, at: &At<'_>| kernel::<_, Midpoint>(&body, index, at);
+    let aged = || Boast { definition: None, kernels: &midpoint, ..Boast::of::<TangentLift>() };
     assert_eq!(aged().failing::<Stale, _>(&body, &states), ["warm steps"]);
     let report = aged().report::<Stuck, _>(&body, &states).unwrap();
     let warm = report.certificate("warm steps").unwrap();
@@ -574,7 +571,8 @@ impl Discretized<Slow> for Body {
 #[test]
 fn a_wrong_correction_is_found() {
     let (body, states) = body();
-    let slow = Boast { kernels: &|probe, step| probe.kernel::<Body, Slow>(step), ..Boast::of::<Midpoint>() };
+    let kernels = |index: usize, at: &At<'_>| kernel::<_, Slow>(&body, index, at);
+    let slow = Boast { kernels: &kernels, ..Boast::of::<Midpoint>() };
     let wrong = slow.failing::<Slow, _>(&body, &states);
     assert_eq!(wrong[0], "Newton correction");
     // iterations end before they are through
@@ -624,7 +622,7 @@ impl Generated<Midpoint> for Bent {
 impl LinearizedSchemes for Bent {}
 
 impl Schemes for Bent {
-    fn visit<V: Visitor<Self>>(_: Map, _: Rule, visitor: V) -> Option<V::Output> {
+    fn visit<V: Visitor<Self>>(_: RetractionKind, _: Rule, visitor: V) -> Option<V::Output> {
         let less = |left: usize| left.checked_sub(1);
         LEFT.fetch_update(Relaxed, Relaxed, less).is_ok().then(|| visitor.visit::<Midpoint>())
     }
@@ -635,7 +633,7 @@ fn a_step_that_vanishes_is_an_error() {
     let (good, states) = body();
     let bent = Bent::new(good);
     let states: Vec<_> = states.iter().map(|state| state.to_components().to_vec()).collect();
-    let scheme = Scheme::member(Map::Exponential, 1, 2);
+    let scheme = Scheme::member(RetractionKind::Exponential, 1, 2);
     for left in [0, 1, 2, 10, 100] {
         LEFT.store(left, Relaxed);
         let error = certify_erased(&bent, &scheme, &states, &[], None).unwrap_err();

@@ -4,7 +4,7 @@
 
 use std::ops::ControlFlow;
 
-use coadjoint::ensemble::{Distribution, EnsembleError, InitialStates, Instructions, Snapshot};
+use coadjoint::ensemble::{EnsembleError, Instructions, normal, uniform};
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, Ensemble, RightLift};
 
@@ -115,9 +115,8 @@ fn moves_as_alone<S, M>(
         ensemble.control(|member, _| control(member));
         // interruptions make no difference
         for steps in [150, 1, 249] {
-            let report = ensemble.run(steps);
-            assert_eq!((report.steps, report.failures), (steps, 0));
-            assert_eq!(report.member_steps, steps * MEMBERS as u64);
+            assert_eq!(ensemble.run(steps), steps * MEMBERS as u64);
+            assert!(ensemble.failed().is_empty());
         }
         for (member, (together, alone)) in ensemble.states().zip(&alone).enumerate() {
             assert_eq!(&together, alone, "member {member}, {instructions:?}");
@@ -162,7 +161,8 @@ fn jumping_controls_move_members_as_alone() {
             states.into_iter().map(|state| (system.stepper::<Cayley>(0.01).unwrap(), state)).collect();
         for step in 0..600 {
             ensemble.control(|member, _| torque(member, step));
-            assert_eq!(ensemble.run(1).failures, 0);
+            ensemble.run(1);
+            assert!(ensemble.failed().is_empty());
             for (member, (stepper, state)) in alone.iter_mut().enumerate() {
                 if step % 97 == 50 {
                     let memory = stepper.snapshot();
@@ -217,18 +217,17 @@ fn those_that_fail_do_not_stop_the_others() {
             Ensemble::<_, Exponential>::with_instructions(&runaways, states.clone(), 0.01, instructions)
                 .unwrap();
         let mut alive = Vec::new();
-        let mut observer = |snapshot: &Snapshot<'_, Runaway>| {
-            alive.push(snapshot.members().count());
-            assert_eq!(snapshot.members().count() + snapshot.failed().len(), snapshot.len());
+        let member_steps = ensemble.run_observed(300, 50, |ensemble| {
+            alive.push(ensemble.members().count());
+            assert_eq!(ensemble.members().count() + ensemble.failed().len(), ensemble.len());
             ControlFlow::Continue(())
-        };
-        let report = ensemble.run_observed(300, 50, &mut observer);
+        });
         assert_eq!(alive.len(), 7);
         assert!(alive.is_sorted_by(|a, b| a >= b));
         assert_eq!((alive[0], alive[6]), (MEMBERS, MEMBERS - expected.len()));
-        assert_eq!((report.failures, report.stopped), (expected.len(), false));
+        assert_eq!((ensemble.failed().len(), ensemble.steps_taken()), (expected.len(), 300));
         let lost: u64 = expected.iter().map(|(_, step, _)| 300 - (step - 1)).sum();
-        assert_eq!(report.member_steps, 300 * MEMBERS as u64 - lost);
+        assert_eq!(member_steps, 300 * MEMBERS as u64 - lost);
         let failed = ensemble.failed().iter().map(|failed| (failed.member, failed.step, failed.source));
         assert!(failed.eq(expected.iter().copied()), "{instructions:?}: {:?}", ensemble.failed());
         for (member, (together, alone)) in ensemble.states().zip(&ends).enumerate() {
@@ -242,23 +241,27 @@ fn all_may_fail() {
     let states = vec![RunawayState { position: vector![3.0], momentum: vector![0.0] }; 3];
     let mut ensemble =
         Ensemble::<_, Exponential>::new(&vec![Runaway { inertia: 1.0 }; 3], states, 0.1).unwrap();
-    let mut spread = Distribution::of(|_: &Runaway, state: &RunawayState| state.position.x);
-    let report = ensemble.run_observed(1_000, 1_000, &mut spread);
-    assert_eq!((report.steps, report.failures), (1_000, 3));
-    assert!(report.member_steps < 300);
-    assert_eq!(spread.series().iter().map(|at| at.members).collect::<Vec<_>>(), [3, 0]);
-    assert!(spread.series()[1].mean.is_nan());
-    assert_eq!(ensemble.run(5).member_steps, 0);
+    let mut series = Vec::new();
+    let member_steps = ensemble.run_observed(1_000, 1_000, |ensemble| {
+        series.push(ensemble.spread(|_, state| state.position.x));
+        ControlFlow::Continue(())
+    });
+    assert_eq!((ensemble.steps_taken(), ensemble.failed().len()), (1_000, 3));
+    assert!(member_steps < 300);
+    assert_eq!(series.iter().map(|at| at.members).collect::<Vec<_>>(), [3, 0]);
+    assert!(series[1].mean.is_nan());
+    assert_eq!(ensemble.run(5), 0);
 }
 
 #[test]
 fn at_no_time_in_particular_nobody_moves() {
     let (systems, states) = pendulums();
     let mut ensemble = Ensemble::<Pendulum, Cayley>::new(&systems, states, 0.05).unwrap();
-    assert_eq!(ensemble.run(300).failures, 0);
+    ensemble.run(300);
+    assert!(ensemble.failed().is_empty());
     let before: Vec<_> = ensemble.states().collect();
     ensemble.set_time(f64::INFINITY);
-    assert_eq!(ensemble.run(1).failures, MEMBERS);
+    assert_eq!((ensemble.run(1), ensemble.failed().len()), (0, MEMBERS));
     assert!(ensemble.failed().iter().all(|failed| failed.source == StepError::NotFinite));
     assert!(ensemble.states().eq(before));
 }
@@ -306,7 +309,7 @@ fn members_that_cannot_be_are_refused() {
 fn nobody_is_an_ensemble_too() {
     let mut ensemble = Ensemble::<Body, Cayley>::new(&[], [], 0.01).unwrap();
     assert!(ensemble.is_empty());
-    assert_eq!(ensemble.run(10).member_steps, 0);
+    assert_eq!(ensemble.run(10), 0);
     assert_eq!(ensemble.time(), 0.1);
     assert!(ensemble.state(0).is_none() && ensemble.system(0).is_none());
 }
@@ -317,16 +320,14 @@ fn an_observer_can_end_the_run() {
     let mut ensemble = Ensemble::<_, Cayley>::new(&systems, states, 0.25).unwrap();
     ensemble.set_time(-1.0);
     let mut times = Vec::new();
-    let until = |snapshot: &Snapshot<'_, Body>| match snapshot.index {
-        12 => ControlFlow::Break(()),
-        _ => ControlFlow::Continue(()),
-    };
-    let times_of = |snapshot: &Snapshot<'_, Body>| {
-        times.push(snapshot.time);
-        ControlFlow::Continue(())
-    };
-    let report = ensemble.run_observed(100, 4, &mut (until, times_of));
-    assert_eq!((report.steps, report.stopped), (12, true));
+    ensemble.run_observed(100, 4, |ensemble| {
+        times.push(ensemble.time());
+        match ensemble.steps_taken() {
+            12 => ControlFlow::Break(()),
+            _ => ControlFlow::Continue(()),
+        }
+    });
+    assert_eq!(ensemble.steps_taken(), 12);
     assert_eq!(times, [-1.0, 0.0, 1.0, 2.0]);
     assert_eq!(ensemble.system(3).unwrap().inertia.x, 1.03);
 }
@@ -339,12 +340,15 @@ fn distributions_are_of_the_members() {
     });
     let body = Body { inertia: vector![1.0, 1.0, 1.0] };
     let mut ensemble = Ensemble::<_, Cayley>::new(std::iter::repeat(&body), states, 0.5).unwrap();
-    let mut spread = Distribution::of(|_: &Body, state: &BodyState| state.momentum.x);
-    ensemble.run_observed(2, 1, &mut spread);
+    let mut series = Vec::new();
+    ensemble.run_observed(2, 1, |ensemble| {
+        series.push(ensemble.spread(|_, state| state.momentum.x));
+        ControlFlow::Continue(())
+    });
     let mean = 3.0;
     let deviation = f64::sqrt((0.0 + 4.0 + 1.0 + 36.0 + 9.0) / 5.0);
     let quantiles = [0.0, 0.2, 1.0, 2.0, 3.0, 7.8, 9.0];
-    let [first, .., last] = spread.series() else { panic!("three series") };
+    let [first, .., last] = &series[..] else { panic!("three series") };
     for (k, (is, should_be)) in first.quantiles.iter().zip(quantiles).enumerate() {
         assert!((is - should_be).abs() < 1e-15, "{k}: {is}");
     }
@@ -387,10 +391,9 @@ fn initial_states_are_distributed_as_asked() {
         momentum: vector![0.1, 2.0, -0.3],
     };
     let reach = [0.02, 0.3, 0.1, 0.5, 1e-3, 0.0];
-    let normal = InitialStates::normal(&body, about, reach, 7);
-    let uniform = InitialStates::uniform(&body, about, reach, 7);
+    let normal: Vec<BodyState> = (0..20_000).map(normal(&body, about, reach, 7)).collect();
+    let uniform: Vec<BodyState> = (0..20_000).map(uniform(&body, about, reach, 7)).collect();
     for (shape, states, scale) in [("normal", normal, 1.0), ("uniform", uniform, f64::sqrt(1.0 / 3.0))] {
-        let states: Vec<BodyState> = states.take(20_000).collect();
         for state in &states {
             let length = state.attitude.as_ref().norm();
             assert!((length - 1.0).abs() < 1e-15, "{length}");
@@ -415,18 +418,17 @@ fn initial_states_are_distributed_as_asked() {
 fn initial_states_are_functions_of_seed_and_number() {
     let body = Body { inertia: vector![1.0, 2.0, 2.5] };
     let about = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![0.1, 2.0, -0.3] };
-    let of = |seed| InitialStates::normal(&body, about, [0.1; 6], seed);
-    let first: Vec<BodyState> = of(7).take(100).collect();
-    assert_eq!(of(7).take(50).collect::<Vec<_>>(), first[..50]);
+    let of = |seed| normal(&body, about, [0.1; 6], seed);
+    let first: Vec<BodyState> = (0..100).map(of(7)).collect();
+    assert_eq!((0..50).map(of(7)).collect::<Vec<_>>(), first[..50]);
     // in any order
-    let mut states = of(7);
+    let drawn = of(7);
     for (k, state) in first.iter().enumerate().rev() {
-        assert_eq!(&states.member(k), state);
+        assert_eq!(&drawn(k), state);
     }
-    assert_eq!(states.next(), Some(first[0]));
     // other seeds and other members are others
     let all: Vec<BodyState> =
-        [0, 6, 7, 8, u64::MAX].into_iter().flat_map(|seed| of(seed).take(100)).collect();
+        [0, 6, 7, 8, u64::MAX].into_iter().flat_map(|seed| (0..100).map(of(seed))).collect();
     for (k, state) in all.iter().enumerate() {
         assert!(!all[..k].contains(state), "{k}");
     }
@@ -442,16 +444,10 @@ fn initial_states_of_single_precision() {
 
     let craft = Craft { inertia: Matrix6::identity() };
     let start = CraftState { pose: Isometry3::translation(1.0, 2.0, 3.0), momentum: Vector6::zeros() };
-    let states = InitialStates::uniform(
-        &craft,
-        start,
-        [0.1, 0.1, 0.1, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-        1,
-    );
-    let mut ensemble =
-        Ensemble::<_, Exponential>::new(std::iter::repeat(&craft), states.take(64), 0.01).unwrap();
-    let report = ensemble.run(10);
-    assert_eq!((report.failures, report.member_steps), (0, 640));
+    let widths = [0.1, 0.1, 0.1, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let states = (0..64).map(uniform(&craft, start, widths, 1));
+    let mut ensemble = Ensemble::<_, Exponential>::new(std::iter::repeat(&craft), states, 0.01).unwrap();
+    assert_eq!((ensemble.run(10), ensemble.failed().len()), (640, 0));
     let moved = ensemble.states().filter(|state| state.pose.translation.x != 1.0).count();
     assert_eq!(moved, 64);
     let off = UnitQuaternion::identity().angle_to(&ensemble.state(5).unwrap().pose.rotation);

@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use coadjoint::__private::{Evaluation, Geometry, Kernel, Map, Scalar};
+use coadjoint::__private::{Evaluation, Geometry, Kernel, RetractionKind, Scalar};
 use coadjoint::system::{Quantity, Side};
 use coadjoint::{LegendreError, ParameterError, System};
 
@@ -106,7 +106,8 @@ impl<T: Scalar, K: Kernel<T>, F: Fault> Kernel<T> for FaultyKernel<K, F> {
     }
 }
 
-type Displace<S> = fn(&S, &<S as System>::State, Map, &<S as Geometry>::Tangent) -> <S as System>::State;
+type Displace<S> =
+    fn(&S, &<S as System>::State, RetractionKind, &<S as Geometry>::Tangent) -> <S as System>::State;
 type Vector<S> = fn(&S, &<S as System>::State, &<S as Geometry>::Tangent) -> <S as Geometry>::Tangent;
 type Casimirs<S> = fn(&S, &<S as System>::State) -> <S as System>::Casimirs;
 
@@ -217,7 +218,7 @@ impl<S: Geometry<Scalar = f64>, F> System for Faulty<S, F> {
 impl<S: Geometry<Scalar = f64>, F> Geometry for Faulty<S, F> {
     type Tangent = S::Tangent;
 
-    fn displace(&self, state: &S::State, map: Map, by: &S::Tangent) -> S::State {
+    fn displace(&self, state: &S::State, map: RetractionKind, by: &S::Tangent) -> S::State {
         (self.displace)(&self.system, state, map, by)
     }
     fn differential(&self, state: &S::State, time: f64, control: &S::Control) -> S::Tangent {

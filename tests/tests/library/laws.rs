@@ -2,7 +2,7 @@
 // in a test, a panic is the report
 #![allow(clippy::unwrap_used)]
 
-use coadjoint::__private::{Geometry, Map, Scalar};
+use coadjoint::__private::{Geometry, RetractionKind, Scalar};
 use coadjoint::certify::{CertifyError, Verdict, group_laws};
 use coadjoint::derivative::LinearizedSchemes;
 use coadjoint::prelude::*;
@@ -67,10 +67,12 @@ impl<F: Fault> Generated<SymplecticEulerA<Cayley>> for Faulty<Drop, F> {
 impl<F: Fault> LinearizedSchemes for Faulty<Drop, F> {}
 
 impl<F: Fault> Schemes for Faulty<Drop, F> {
-    fn visit<V: Visitor<Self>>(map: Map, rule: Rule, visitor: V) -> Option<V::Output> {
+    fn visit<V: Visitor<Self>>(map: RetractionKind, rule: Rule, visitor: V) -> Option<V::Output> {
         match (map, rule) {
-            (Map::Exponential, Rule::Member(0, 1)) => Some(visitor.visit::<SymplecticEulerA<Exponential>>()),
-            (Map::Cayley, Rule::Member(0, 1)) => Some(visitor.visit::<SymplecticEulerA<Cayley>>()),
+            (RetractionKind::Exponential, Rule::Member(0, 1)) => {
+                Some(visitor.visit::<SymplecticEulerA<Exponential>>())
+            }
+            (RetractionKind::Cayley, Rule::Member(0, 1)) => Some(visitor.visit::<SymplecticEulerA<Cayley>>()),
             _ => None,
         }
     }
@@ -123,7 +125,7 @@ fn a_wrong_closed_form_is_found() {
         assert!(too_far.contains(&format!("Cayley: {law}")), "{law}: {too_far:?}");
     }
     let swapped = broken::<()>(|drop| {
-        drop.with_displacement(|drop, state, _, by| drop.displace(state, Map::Exponential, by))
+        drop.with_displacement(|drop, state, _, by| drop.displace(state, RetractionKind::Exponential, by))
     });
     assert_eq!(
         swapped,
@@ -145,8 +147,8 @@ impl<F: Fault> Generated<SymplecticEulerA<SecondKind>> for Faulty<Turning, F> {
 impl<F: Fault> LinearizedSchemes for Faulty<Turning, F> {}
 
 impl<F: Fault> Schemes for Faulty<Turning, F> {
-    fn visit<V: Visitor<Self>>(map: Map, rule: Rule, visitor: V) -> Option<V::Output> {
-        let is_there = (map, rule) == (Map::SecondKind, Rule::Member(0, 1));
+    fn visit<V: Visitor<Self>>(map: RetractionKind, rule: Rule, visitor: V) -> Option<V::Output> {
+        let is_there = (map, rule) == (RetractionKind::SecondKind, Rule::Member(0, 1));
         is_there.then(|| visitor.visit::<SymplecticEulerA<SecondKind>>())
     }
 }
@@ -162,7 +164,9 @@ fn wrong_coordinates_of_the_second_kind_are_found() {
     }
     assert!(bent::<()>(|turning| turning).is_empty());
     let swapped = bent::<()>(|turning| {
-        turning.with_displacement(|turning, state, _, by| turning.displace(state, Map::Exponential, by))
+        turning.with_displacement(|turning, state, _, by| {
+            turning.displace(state, RetractionKind::Exponential, by)
+        })
     });
     let laws = ["definition", "derivative", "coadjoint action", "spaces"];
     assert_eq!(swapped, laws.map(|law| format!("second kind: {law}")));

@@ -4,7 +4,7 @@
 
 use coadjoint::__private::{Geometry, Isolated};
 use coadjoint::certify::{Certification, Claimed, Report, Verdict};
-use coadjoint::erased::{Description, Map, NotGenerated};
+use coadjoint::erased::{Description, NotGenerated, RetractionKind};
 use coadjoint::prelude::*;
 use coadjoint::{
     Discretized, Family, RightLift, Scheme, SchemeType, SecondKind, System, TangentLift, TangentMidpoint,
@@ -94,7 +94,8 @@ where
 
 /// Of a step that is neither symmetric nor of order 2: that this is so is measured, and not claimed.
 fn is_of_order_one(report: &Report) {
-    assert_eq!((report.properties.order, report.properties.symmetric), (1, false));
+    let properties = report.properties.unwrap();
+    assert_eq!((properties.order, properties.symmetric), (1, false));
     let order = report.certificate("order").unwrap();
     assert!((order.figure - 1.0).abs() < 0.15, "{report}");
     let reversibility = report.certificate("reversibility").unwrap();
@@ -130,10 +131,11 @@ fn a_free_body() {
         passes::<SecondKind, _>(&body, state, &[]),
         passes::<RightLift<SecondKind>, _>(&body, state, &[]),
     ] {
-        assert_eq!((report.properties.order, report.properties.symmetric), (2, true), "{report}");
+        let properties = report.properties.unwrap();
+        assert_eq!((properties.order, properties.symmetric), (2, true), "{report}");
         assert!((report.certificate("order").unwrap().figure - 2.0).abs() < 0.15, "{report}");
     }
-    assert_eq!(passes::<Order4<SecondKind>, _>(&body, state, &[]).properties.order, 4);
+    assert_eq!(passes::<Order4<SecondKind>, _>(&body, state, &[]).properties.unwrap().order, 4);
     for report in [
         Certification::new(&body).states(&[state]).run::<TangentLift<SecondKind>>(),
         Certification::new(&body).states(&[state]).run::<TangentMidpoint<SecondKind>>(),
@@ -191,7 +193,7 @@ fn what_holds_for_odd_retractions_fails_for_others() {
         properties: odd,
         definition: Some(SymplecticEulerA::<SecondKind>::scheme()),
         method: &certification.method::<SymplecticEulerA<SecondKind>>(),
-        kernels: &|_, _| {},
+        kernels: &|_, _| None,
     };
     let report = certification.run_as(&claimed).unwrap();
     let wrong: Vec<_> = report.failures().map(|certificate| certificate.name.as_str()).collect();
@@ -222,8 +224,8 @@ fn the_ends_of_the_family_are_adjoints_of_each_other() {
 
     let verlet = step::<StormerVerlet<SecondKind>, _>(&body, 0.1, state);
     assert_eq!(step::<SecondKind, _>(&body, 0.1, state), verlet);
-    let scheme = Scheme::Standard(Map::SecondKind);
-    assert_eq!(scheme.resolved(true), Scheme::StormerVerlet(Map::SecondKind));
+    let scheme = Scheme::Standard(RetractionKind::SecondKind);
+    assert_eq!(scheme.resolved(true), Scheme::StormerVerlet(RetractionKind::SecondKind));
     let mut components = coadjoint::State::to_components(&state);
     erased::Stepper::new(erased::System::with_parameters(&body, &[]), &scheme, 0.1)
         .unwrap()
@@ -243,7 +245,7 @@ fn without_being_asked_for_there_is_none() {
     let plain = Plain { inertia: vector![1.0, 2.0, 2.5] };
     let error = erased::Stepper::new(
         erased::System::with_parameters(&plain, &[]),
-        &Scheme::Standard(Map::SecondKind),
+        &Scheme::Standard(RetractionKind::SecondKind),
         0.1,
     )
     .unwrap_err();
@@ -252,7 +254,7 @@ fn without_being_asked_for_there_is_none() {
     assert!(
         erased::Stepper::new(
             erased::System::with_parameters(&plain, &[]),
-            &Scheme::Standard(Map::Cayley),
+            &Scheme::Standard(RetractionKind::Cayley),
             0.1
         )
         .is_ok()

@@ -249,7 +249,8 @@ fn fused_members_move_as_they_would_alone() {
             instructions,
         )
         .unwrap();
-        assert_eq!(ensemble.run(500).failures, 0);
+        ensemble.run(500);
+        assert!(ensemble.failed().is_empty());
         for (together, system) in ensemble.states().zip(&systems) {
             let mut alone = start;
             let mut stepper = system.stepper::<Fused<Cayley>>(0.02).unwrap();

@@ -28,7 +28,7 @@ fn composed(satellite: &Satellite, state: &mut SatelliteState) {
 fn jacobian(satellite: &Satellite, state: &mut SatelliteState) {
     let mut stepper = satellite.stepper::<Cayley>(0.1).unwrap();
     let step = stepper.step_with_jacobian(state, &SatelliteControl::default(), WrtState).unwrap();
-    println!("{}", step.jacobian);
+    println!("{}", step.0);
 }
 
 fn derivative(satellite: &Satellite, state: &mut SatelliteState) {

@@ -38,9 +38,9 @@ pub(super) fn geometry(program: &Program, names: &Names) -> TokenStream {
             impl #private::Geometry for #name {
                 type Tangent = [#scalar; #count];
 
-                fn displace(&self, state: &#state, map: #private::Map, by: &[#scalar; #count]) -> #state {
+                fn displace(&self, state: &#state, map: #private::RetractionKind, by: &[#scalar; #count]) -> #state {
                     let moved = match map {
-                        #(#private::Map::#maps => #displaced,)*
+                        #(#private::RetractionKind::#maps => #displaced,)*
                     };
                     #private::State::from_components(&moved)
                 }

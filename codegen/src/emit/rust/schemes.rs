@@ -49,7 +49,7 @@ pub(super) fn schemes(names: &Names, steps: &[StepProgram]) -> TokenStream {
             let Scheme { retraction, rule } = scheme;
             let [map, named] = [retraction.name(), rule.method.rule].map(|name| format_ident!("{name}"));
             let s = fraction(rule.member);
-            quote! { (#private::Map::#map, #private::Rule::#named(#s)) }
+            quote! { (#private::RetractionKind::#map, #private::Rule::#named(#s)) }
         });
         quote! { #(#patterns)|* }
     };
@@ -71,7 +71,7 @@ pub(super) fn schemes(names: &Names, steps: &[StepProgram]) -> TokenStream {
         quote! {
             #[inline]
             fn #name<V: #private::#visitor<Self>>(
-                map: #private::Map,
+                map: #private::RetractionKind,
                 rule: #private::Rule,
                 visitor: V,
             ) -> ::core::option::Option<V::Output> {

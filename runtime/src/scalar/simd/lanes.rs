@@ -201,6 +201,19 @@ macro_rules! each {
 }
 
 /// Operations of three operands, by the processor's instruction if it has one.
+macro_rules! comparisons {
+    ($($name:ident $operator:tt),*) => {
+        $(#[inline(always)]
+        fn $name(self, limit: Self) -> LaneMask<N> {
+            if const { Self::NATIVE } {
+                LaneMask(P::truths(P::$name(self.vector(), limit.vector())))
+            } else {
+                self.test(limit, |x, y| x $operator y)
+            }
+        })*
+    };
+}
+
 macro_rules! three_operands {
     ($($name:ident if $native:expr),*) => {
         $(#[inline(always)]
@@ -275,10 +288,6 @@ impl<X: Real, const N: usize, P: Processor> Batch for Lanes<X, N, P> {
     const MIN_POSITIVE: f64 = X::MIN_POSITIVE;
 
     #[inline(always)]
-    fn all<Y: Copy + Send + Sync>(value: Y) -> [Y; N] {
-        [value; N]
-    }
-    #[inline(always)]
     fn each<Y: Copy + Send + Sync>(mut value: impl FnMut(usize) -> Y) -> [Y; N] {
         // a loop: `array::from_fn` is four functions more to compile for each closure
         let mut each = [value(0); N];
@@ -311,22 +320,7 @@ impl<X: Real, const N: usize, P: Processor> Batch for Lanes<X, N, P> {
     fn is_same(self, other: Self) -> LaneMask<N> {
         self.test(other, |x, y| x.is_same(y))
     }
-    #[inline(always)]
-    fn le(self, limit: Self) -> LaneMask<N> {
-        if const { Self::NATIVE } {
-            LaneMask(P::truths(P::le(self.vector(), limit.vector())))
-        } else {
-            self.test(limit, |x, y| x <= y)
-        }
-    }
-    #[inline(always)]
-    fn lt(self, limit: Self) -> LaneMask<N> {
-        if const { Self::NATIVE } {
-            LaneMask(P::truths(P::lt(self.vector(), limit.vector())))
-        } else {
-            self.test(limit, |x, y| x < y)
-        }
-    }
+    comparisons! { le <=, lt < }
     #[inline(always)]
     fn select(mask: LaneMask<N>, yes: Self, no: Self) -> Self {
         if const { Self::NATIVE } {

@@ -326,7 +326,7 @@ mod tests {
     use crate::scalar::rows::computed;
     use crate::scalar::simd::lanes::Portable;
     use crate::solve::step::OneStep;
-    use crate::test_system::Midpoint;
+    use crate::tests::Midpoint;
     use std::vec::Vec;
 
     /// All that can be done with pieces.

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use coadjoint::State;
-use coadjoint::certify::Around;
-use coadjoint::erased::{At, Map, Solved, System, Trial, Units};
+use coadjoint::certify::{Frame, Linear};
+use coadjoint::erased::{At, RetractionKind, Solved, System, Trial, Units, units};
 use coadjoint::error::StepError;
 use coadjoint::scheme::Rule;
 use coadjoint_support::random::Random;
@@ -17,7 +17,7 @@ const MOST: f64 = 8.0;
 /// The longest step: half of a radian, or of what else the motion takes to lead to something else entirely.
 const LONGEST: f64 = 0.5;
 /// The steps that the generator knows.
-const RULES: [Rule; 9] = [
+pub(crate) const RULES: [Rule; 9] = [
     Rule::Member(0, 1),
     Rule::Member(1, 1),
     Rule::Member(1, 2),
@@ -32,7 +32,7 @@ const RULES: [Rule; 9] = [
 /// How many states a scheme of a system is tried at, unless `COADJOINT_STATES` says it.
 const STATES: usize = 60;
 
-fn states() -> usize {
+pub(crate) fn states() -> usize {
     std::env::var("COADJOINT_STATES").ok().and_then(|states| states.parse().ok()).unwrap_or(STATES)
 }
 
@@ -52,11 +52,15 @@ impl Subject {
         let (system, state) = (Arc::new(system), state.to_components().as_ref().to_vec());
         Self { name: S::NAME.to_owned(), system, state }
     }
+
+    pub(crate) fn name(&self) -> &str {
+        &self.name
+    }
 }
 
 /// How a state is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Kind {
+pub(crate) enum Kind {
     /// All numbers at random.
     General,
     /// No momentum.
@@ -79,7 +83,7 @@ enum Kind {
     Units,
 }
 
-const KINDS: [Kind; 10] = [
+pub(crate) const KINDS: [Kind; 10] = [
     Kind::General,
     Kind::AtRest,
     Kind::OneZero,
@@ -93,21 +97,21 @@ const KINDS: [Kind; 10] = [
 ];
 
 /// A step to be taken.
-struct Draw {
-    kind: Kind,
-    system: Arc<dyn System>,
-    state: Vec<f64>,
-    control: Vec<f64>,
-    time: f64,
-    step: f64,
+pub(crate) struct Draw {
+    pub(crate) kind: Kind,
+    pub(crate) system: Arc<dyn System>,
+    pub(crate) state: Vec<f64>,
+    pub(crate) control: Vec<f64>,
+    pub(crate) time: f64,
+    pub(crate) step: f64,
     /// Steps of one stepper, of which the last is looked at too.
     then: usize,
 }
 
 /// Draws steps of a system.
-struct Drawer<'a> {
+pub(crate) struct Drawer<'a> {
     subject: &'a Subject,
-    around: Around,
+    pub(crate) around: Frame<'a>,
     controls: usize,
     /// The powers with which parameters scale in other units of mass.
     powers: Option<Vec<i32>>,
@@ -115,11 +119,11 @@ struct Drawer<'a> {
 }
 
 impl<'a> Drawer<'a> {
-    fn new(subject: &'a Subject, seed: u64) -> Self {
+    pub(crate) fn new(subject: &'a Subject, seed: u64) -> Self {
         let description = subject.system.description();
         let controls = description.controls.iter().map(|control| control.components.len()).sum();
         let none = vec![0.0; controls];
-        let around = Around::state(&*subject.system, &subject.state, 0.0, &none).expect("local coordinates");
+        let around = Frame::new(&*subject.system, &subject.state, &none, 0.0).expect("local coordinates");
         let mut drawer = Self { subject, around, controls, powers: None, random: Random::new(seed) };
         drawer.powers = drawer.powers();
         drawer
@@ -140,19 +144,19 @@ impl<'a> Drawer<'a> {
     }
 
     fn general(&mut self) -> Vec<f64> {
-        let (system, around) = (&*self.subject.system, self.around.clone());
+        let around = self.around.clone();
         let random = &mut self.random;
-        let mut state = around.moved(system, &self.subject.state, |_| random.between(-1.0, 1.0));
+        let mut state = moved(&around, &self.subject.state, |_| random.between(-1.0, 1.0));
         let size = self.power(-2.0, 0.5);
-        for (k, [tangent, component]) in around.linear.iter().enumerate() {
+        for (k, Linear { tangent, component }) in around.linear.iter().enumerate() {
             let by = around.scale[*tangent] * self.unit();
             state[*component] = if k < self.momenta() { size * by } else { state[*component] + 0.5 * by };
         }
         state
     }
 
-    fn draw(&mut self, kind: Kind) -> Option<Draw> {
-        let Around { linear, scale, .. } = self.around.clone();
+    pub(crate) fn draw(&mut self, kind: Kind) -> Option<Draw> {
+        let Frame { linear, scale, .. } = self.around.clone();
         let momenta = self.momenta();
         let mut state = self.general();
         let control: Vec<f64> = match self.random.bits() % 2 {
@@ -160,7 +164,7 @@ impl<'a> Drawer<'a> {
             _ => (0..self.controls).map(|_| self.unit()).collect(),
         };
         let time = self.random.one_of(&[0.0, 0.0, 1.7]);
-        let place = |k: usize| linear[k][1];
+        let place = |k: usize| linear[k].component;
         let mut example = self.subject.state.clone();
         let mut system = self.subject.system.with_parameters(&[]);
         match kind {
@@ -176,7 +180,7 @@ impl<'a> Drawer<'a> {
                 if self.random.bits().is_multiple_of(2) {
                     let by = self.power(-14.0, -3.0);
                     for k in 0..momenta {
-                        state[place(k)] += by * scale[linear[k][0]] * self.unit();
+                        state[place(k)] += by * scale[linear[k].tangent] * self.unit();
                     }
                 }
             }
@@ -190,7 +194,7 @@ impl<'a> Drawer<'a> {
                 if self.random.bits().is_multiple_of(2) {
                     let by = self.power(-14.0, -3.0);
                     for k in 0..momenta {
-                        state[place(k)] += by * scale[linear[k][0]] * self.unit();
+                        state[place(k)] += by * scale[linear[k].tangent] * self.unit();
                     }
                 }
             }
@@ -206,7 +210,7 @@ impl<'a> Drawer<'a> {
             Kind::Far => {
                 let far = self.power(2.0, 6.0);
                 let (random, around) = (&mut self.random, self.around.clone());
-                state = around.moved(&*self.subject.system, &state, |_| far * random.between(-1.0, 1.0));
+                state = moved(&around, &state, |_| far * random.between(-1.0, 1.0));
             }
             Kind::Units => {
                 let by: f64 = self.random.one_of(&[1e9, 1e-9]);
@@ -255,7 +259,7 @@ impl<'a> Drawer<'a> {
             let other = self.in_units(2.0, powers);
             states.iter().all(|state| {
                 let mut scaled = state.clone();
-                self.around.linear[..self.momenta()].iter().for_each(|[_, place]| scaled[*place] *= 2.0);
+                self.around.linear[..self.momenta()].iter().for_each(|of| scaled[of.component] *= 2.0);
                 let [one, two] = [energy(&*self.subject.system, state), energy(&*other, &scaled)];
                 (two - 2.0 * one).abs() <= 1e-9 * one.abs()
             })
@@ -264,7 +268,7 @@ impl<'a> Drawer<'a> {
 
     /// Momenta with which the configuration stays where it is, as far as there are such.
     fn balance(&self, state: &mut [f64], time: f64, control: &[f64]) {
-        let Around { linear, scale, configuration, .. } = &self.around;
+        let Frame { linear, scale, configuration, .. } = &self.around;
         let system = &*self.subject.system;
         let n = configuration.len();
         let velocity = |state: &[f64]| -> Vec<f64> {
@@ -278,7 +282,7 @@ impl<'a> Drawer<'a> {
             let mut matrix = vec![vec![0.0; n + 1]; n];
             for k in 0..n {
                 let mut there = state.to_vec();
-                there[linear[k][1]] += scale[linear[k][0]];
+                there[linear[k].component] += scale[linear[k].tangent];
                 for (row, (there, here)) in velocity(&there).iter().zip(&here).enumerate() {
                     matrix[row][k] = there - here;
                 }
@@ -288,7 +292,7 @@ impl<'a> Drawer<'a> {
             }
             let Some(by) = eliminated(matrix) else { return };
             for (k, by) in by.iter().enumerate() {
-                state[linear[k][1]] -= by * scale[linear[k][0]];
+                state[linear[k].component] -= by * scale[linear[k].tangent];
             }
         }
     }
@@ -305,7 +309,7 @@ impl<'a> Drawer<'a> {
             if !(size > 0.0 && size.is_finite()) {
                 break;
             }
-            let next = around.moved(system, &state, |k| -length * slope[k] / size);
+            let next = moved(around, &state, |k| -length * slope[k] / size);
             // where it is lower, or else nearer
             if system.energy(&next, time, control) < system.energy(&state, time, control) {
                 state = next;
@@ -317,9 +321,19 @@ impl<'a> Drawer<'a> {
     }
 }
 
+/// The state with its configurations displaced by multiples of their scales.
+fn moved(around: &Frame<'_>, state: &[f64], by: impl FnMut(usize) -> f64) -> Vec<f64> {
+    let mut tangent = vec![0.0; around.scale.len()];
+    let by = (0..around.configuration.len()).map(by);
+    for (&i, by) in around.configuration.iter().zip(by) {
+        tangent[i] = by * around.scale[i];
+    }
+    around.displace(state, RetractionKind::Exponential, &tangent)
+}
+
 /// One over the time in which the motion from a state leads to something else entirely.
 fn rate(system: &dyn System, state: &[f64], time: f64, control: &[f64]) -> f64 {
-    let rate = Around::state(system, state, time, control).map_or(0.0, |around| around.rate);
+    let rate = Frame::new(system, state, control, time).map_or(0.0, |around| around.rate);
     if rate.is_finite() { rate } else { 0.0 }
 }
 
@@ -384,21 +398,22 @@ impl Tally {
     ) {
         self.accepted += 1;
         let direct = trial.directly().filter(|solved| solved.is_good);
-        let mut units = direct.as_ref().map(|solved| trial.units(solved, next, blocks));
-        if units.is_none_or(|units| !(units.of_rounding <= MOST)) {
+        let mut found =
+            direct.as_ref().map(|solved| units(next, &solved.next(), &trial.allowed(solved), blocks));
+        if found.is_none_or(|found| !(found.of_rounding <= MOST)) {
             let continued = trial.continued().filter(|solved| solved.is_good);
             let agree = matches!((&direct, &continued), (Some(a), Some(b)) if trial.is_same(a, b));
             if !agree {
                 let more = [continued, trial.as_solver().filter(|solved| solved.is_good)];
                 for solved in more.into_iter().flatten() {
-                    let other = trial.units(&solved, next, blocks);
-                    if units.is_none_or(|units| !(units.of_rounding <= other.of_rounding)) {
-                        units = Some(other);
+                    let other = units(next, &solved.next(), &trial.allowed(&solved), blocks);
+                    if found.is_none_or(|found| !(found.of_rounding <= other.of_rounding)) {
+                        found = Some(other);
                     }
                 }
             }
         }
-        let Some(Units { of_rounding, block, allowed }) = units else {
+        let Some(Units { of_rounding, block, allowed }) = found else {
             self.unverified += 1;
             self.notes.push(format!("unverified: {}", what()));
             return;
@@ -433,7 +448,12 @@ impl Tally {
     }
 }
 
-fn tried(draw: &Draw, blocks: &[Vec<usize>], (map, rule): (Map, Rule), name: &str) -> Option<Tally> {
+fn tried(
+    draw: &Draw,
+    blocks: &[Vec<usize>],
+    (map, rule): (RetractionKind, Rule),
+    name: &str,
+) -> Option<Tally> {
     let Draw { kind, system, state, control, time, step, then: most } = draw;
     let mut tally = Tally::default();
     let mut method = system.method(map, rule, *step)?;
@@ -479,7 +499,7 @@ fn campaign(subjects: &[Subject]) {
     for subject in subjects {
         let mut of_system = Tally::default();
         let mut by_kind: BTreeMap<Kind, Tally> = BTreeMap::new();
-        for (m, map) in Map::ALL.into_iter().enumerate() {
+        for (m, map) in RetractionKind::ALL.into_iter().enumerate() {
             for (r, rule) in RULES.into_iter().enumerate() {
                 if subject.system.method(map, rule, 1.0).is_none() {
                     continue;
@@ -488,7 +508,7 @@ fn campaign(subjects: &[Subject]) {
                 for k in 0..states {
                     let kind = KINDS[k % KINDS.len()];
                     let Some(draw) = drawer.draw(kind) else { continue };
-                    if let Some(tally) = tried(&draw, &drawer.around.blocks, (map, rule), &subject.name) {
+                    if let Some(tally) = tried(&draw, &drawer.around.blocks(), (map, rule), &subject.name) {
                         by_kind.entry(kind).or_default().add(tally);
                     }
                 }

@@ -1,7 +1,7 @@
 //! Velocities that are small differences of large momenta: a body that is at rest, or nearly, while its rotor or its
 //! wheels spin.
 
-use coadjoint::__private::Map;
+use coadjoint::__private::RetractionKind;
 use coadjoint::Discretized;
 use coadjoint::Scheme;
 use coadjoint::nalgebra::{ArrayStorage, Matrix3};
@@ -22,6 +22,7 @@ use crate::runs::{Runs, scheme, steer, walk};
         body.dot(&(inertia.try_inverse().expect("regular") * body)) / 2.0
     },
     methods(Midpoint),
+    derivatives(state),
 )]
 struct Gyrostat {
     #[inertia]
@@ -54,6 +55,7 @@ struct Cubesat {
     },
     force(wheels = [vector![torque.x], vector![torque.y], vector![torque.z]]),
     methods(Midpoint),
+    derivatives(state),
 )]
 struct Wheeled {
     #[inertia]
@@ -284,8 +286,9 @@ fn a_satellite_holds_its_target() {
 #[test]
 fn the_catalogues_satellite_points_for_days() {
     let (satellite, start) = SatelliteWithWheels::example();
-    let (own, standard) = (SatelliteWithWheels::wheels(&start), Scheme::Standard(Map::Exponential));
-    let midpoint = Scheme::member(Map::Exponential, 1, 2);
+    let (own, standard) =
+        (SatelliteWithWheels::wheels(&start), Scheme::Standard(RetractionKind::Exponential));
+    let midpoint = Scheme::member(RetractionKind::Exponential, 1, 2);
     let law = |state: &Vec<f64>, _: f64| {
         let components = state[..].try_into().expect("it is one of this system");
         let state = SatelliteWithWheelsState::from_components(components);

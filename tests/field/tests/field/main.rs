@@ -9,6 +9,7 @@
 mod campaign;
 mod cancelling;
 mod far;
+mod jacobians;
 mod large;
 mod released;
 mod runs;

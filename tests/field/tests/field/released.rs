@@ -21,6 +21,7 @@ use crate::runs::{Runs, scheme, steer, walk};
     },
     force(cart = vector![push]),
     methods(Midpoint),
+    derivatives(state),
 )]
 struct CartPole {
     big: f64,
@@ -75,6 +76,7 @@ struct TwoPoles {
             + j1 * u.powi(2) / 2.0
     },
     force(joint = vector![motor]),
+    derivatives(state),
 )]
 struct Arm {
     j0: f64,

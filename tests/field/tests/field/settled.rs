@@ -13,6 +13,7 @@ use crate::runs::{Runs, scheme, steer, walk};
     potential = weight * up.dot(&chi),
     force = -friction * momentum,
     methods(Midpoint),
+    derivatives(state),
 )]
 struct Top {
     #[inertia]
@@ -31,6 +32,7 @@ struct Top {
     },
     force = (-drag * angular_momentum, -drag * linear_momentum),
     methods(Midpoint),
+    derivatives(state),
 )]
 struct Buoy {
     #[inertia]
@@ -52,6 +54,7 @@ struct Buoy {
     },
     force(upper = -friction * upper_velocity, lower = -friction * lower_velocity),
     methods(Midpoint),
+    derivatives(state),
 )]
 struct Double {
     gravity: f64,

@@ -16,6 +16,7 @@ use crate::runs::{Runs, scheme, walk};
         let turning = attitude_velocity.dot(&attitude_velocity.component_mul(&inertia)) / 2.0;
         turning + mass * velocity.norm_squared() / 2.0 - stiffness * (slider.x - rest).powi(2) / 2.0
     },
+    derivatives(state),
 )]
 struct Sprung {
     #[inertia]

@@ -1,6 +1,6 @@
 //! Parts of perturbations have constants of their own, whatever the fields are called.
 
-use coadjoint::derivative::{Block, IndexRange, WrtParameters};
+use coadjoint::derivative::{IndexRange, WrtParameters, block};
 use coadjoint::prelude::*;
 
 #[lie_poisson_system(
@@ -27,11 +27,11 @@ fn names_that_differ_by_their_cases_do() {
         AlikeState { attitude: super::rotation(), momentum: vector![1.0, 2.0, 3.0], point: Vector3::z() };
     let mut stepper = alike.stepper::<Cayley>(0.1).expect("valid");
     let step = stepper.step_with_jacobian(&mut state, &NoControl::default(), WrtParameters);
-    let by = step.expect("solvable").jacobian;
+    let by = step.expect("solvable").0;
     let [lower, upper, columns] = [
-        by.block(AlikeIndices::MOMENTUM, LOWER),
-        by.block(AlikeIndices::MOMENTUM, UPPER),
-        by.block(AlikeIndices::MOMENTUM, AlikeIndices::COLUMNS),
+        block(&by, AlikeIndices::MOMENTUM, LOWER),
+        block(&by, AlikeIndices::MOMENTUM, UPPER),
+        block(&by, AlikeIndices::MOMENTUM, AlikeIndices::COLUMNS),
     ];
     assert!(lower.norm() > 1e-2);
     assert!((upper - 2.0 * lower).norm() < 1e-14 && (columns - lower).norm() < 1e-14, "{by}");

@@ -1,19 +1,5 @@
 //! How a quantity is distributed over an ensemble.
 
-use core::ops::ControlFlow;
-use std::vec::Vec;
-
-use super::{EnsembleObserver, Snapshot};
-use crate::system::System;
-
-/// Records how a quantity is distributed over an ensemble as time goes by.
-#[derive(Clone, Debug)]
-pub struct Distribution<F> {
-    quantity: F,
-    series: Vec<Spread>,
-    values: Vec<f64>,
-}
-
 /// How a quantity is distributed at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
@@ -52,31 +38,5 @@ impl Spread {
             if part == 0.0 { values[below] } else { values[below] + part * (values[above] - values[below]) }
         };
         Self { time, members, mean, deviation: variance.sqrt(), quantiles: Self::LEVELS.map(quantile) }
-    }
-}
-
-impl<F> Distribution<F> {
-    /// The distribution of a quantity of a system in a state.
-    pub fn of<S: System>(quantity: F) -> Self
-    where
-        F: FnMut(&S, &S::State) -> f64,
-    {
-        Self { quantity, series: Vec::new(), values: Vec::new() }
-    }
-
-    /// What has been recorded, in the order of time.
-    pub fn series(&self) -> &[Spread] {
-        &self.series
-    }
-}
-
-impl<S: System, F: FnMut(&S, &S::State) -> f64> EnsembleObserver<S> for Distribution<F> {
-    fn observe(&mut self, snapshot: &Snapshot<'_, S>) -> ControlFlow<()> {
-        self.values.clear();
-        let quantity = &mut self.quantity;
-        let values = snapshot.members().map(|(_, system, state)| quantity(&system, &state));
-        self.values.extend(values.filter(|value| !value.is_nan()));
-        self.series.push(Spread::of(snapshot.time, &mut self.values));
-        ControlFlow::Continue(())
     }
 }
