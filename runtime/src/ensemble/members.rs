@@ -72,10 +72,8 @@ pub struct Members {
     width: usize,
     /// Those that failed, in the order of their numbers.
     pub(crate) failed: Vec<Failed>,
-    /// The step's length.
-    pub(crate) step: f64,
-    start: f64,
-    pub(crate) taken: u64,
+    /// When steps are taken, and how long they are.
+    pub(crate) clock: Clock,
 }
 
 impl Members {
@@ -113,7 +111,10 @@ impl Members {
         };
         match error {
             Some(error) => Err(error),
-            None => Ok(Self { blocks, width, failed: Vec::new(), step, start: 0.0, taken: 0 }),
+            None => {
+                let clock = Clock { start: 0.0, step, taken: 0 };
+                Ok(Self { blocks, width, failed: Vec::new(), clock })
+            }
         }
     }
 
@@ -123,16 +124,16 @@ impl Members {
     }
 
     pub(crate) fn time(&self) -> f64 {
-        self.start + self.taken as f64 * self.step
+        self.clock.after(0)
     }
 
     pub(crate) fn set_time(&mut self, time: f64) {
-        (self.start, self.taken) = (time, 0);
+        (self.clock.start, self.clock.taken) = (time, 0);
     }
 
     /// All take so many steps, with the controls that they have, or those of a law; returns the steps of all together.
     pub(crate) fn advance_n(&mut self, steps: u64, law: Option<&Law<'_>>) -> u64 {
-        let clock = Clock { start: self.start, step: self.step, taken: self.taken };
+        let clock = self.clock;
         let advance = |block: &mut Box<dyn Block>| block.advance_n(clock, steps, law);
         #[cfg(feature = "parallel")]
         let taken: Vec<MemberSteps> = {
@@ -147,7 +148,7 @@ impl Members {
             member_steps += taken.member_steps;
         }
         self.failed.sort_unstable_by_key(|failed| failed.member);
-        self.taken = self.taken.saturating_add(steps);
+        self.clock.taken = clock.taken.saturating_add(steps);
         member_steps
     }
 

@@ -224,7 +224,7 @@ impl<S: Discretized<M> + 'static, M: 'static> Ensemble<S, M> {
 
     /// The step size.
     pub fn step_size(&self) -> S::Scalar {
-        S::Scalar::of(self.members.step)
+        S::Scalar::of(self.members.clock.step)
     }
 
     /// The time, in f64 whatever the scalar.
@@ -239,7 +239,7 @@ impl<S: Discretized<M> + 'static, M: 'static> Ensemble<S, M> {
 
     /// The steps taken since the start, or since the time was set.
     pub fn steps_taken(&self) -> u64 {
-        self.members.taken
+        self.members.clock.taken
     }
 
     /// The system of a member; none if there are not so many.
@@ -301,7 +301,7 @@ impl<S: Discretized<M>, M> fmt::Debug for Ensemble<S, M> {
             .field("scheme", &core::any::type_name::<M>())
             .field("members", &self.parameters.len())
             .field("failed", &self.members.failed.len())
-            .field("step", &self.members.step)
+            .field("step", &self.members.clock.step)
             .finish_non_exhaustive()
     }
 }

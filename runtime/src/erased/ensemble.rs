@@ -110,7 +110,7 @@ impl fmt::Debug for Ensemble {
         f.debug_struct("Ensemble")
             .field("members", &self.systems.len())
             .field("failed", &self.members.failed.len())
-            .field("step", &self.members.step)
+            .field("step", &self.members.clock.step)
             .finish_non_exhaustive()
     }
 }
