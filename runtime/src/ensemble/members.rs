@@ -61,6 +61,8 @@ impl Instructions {
 pub(crate) trait Builder {
     /// Why there may be none.
     type Error;
+    /// Whether steps are compiled for pairs too, which any x86-64 has registers for; processors with no wider ones are rare.
+    const PAIRS: bool = true;
     /// What takes the steps for these parameters.
     fn method<T: Batch>(&self, parameters: &[T], step: T) -> Result<Box<dyn Method<T>>, Self::Error>;
 }
@@ -105,7 +107,9 @@ impl Members {
             #[cfg(target_arch = "x86_64")]
             Instructions::Avx2 if Avx2::is_here() => blocks!(Lanes<f64, 4, Avx2>, Lanes<f32, 8, Avx2>),
             #[cfg(target_arch = "x86_64")]
-            _ => blocks!(Lanes<f64, 2, Portable>, f32),
+            _ if const { B::PAIRS } => blocks!(Lanes<f64, 2, Portable>, f32),
+            #[cfg(target_arch = "x86_64")]
+            _ => blocks!(f64, f32),
             #[cfg(not(target_arch = "x86_64"))]
             _ => blocks!(Lanes<f64, 4, Portable>, Lanes<f32, 8, Portable>),
         };
@@ -218,7 +222,7 @@ macro_rules! sides {
     };
 }
 #[cfg(target_arch = "x86_64")]
-sides!(f32, Lanes<f64, 2, Portable>, Lanes<f64, 4, Avx2>, Lanes<f32, 8, Avx2>, Lanes<f64, 8, Avx512>, Lanes<f32, 16, Avx512>);
+sides!(f64, f32, Lanes<f64, 2, Portable>, Lanes<f64, 4, Avx2>, Lanes<f32, 8, Avx2>, Lanes<f64, 8, Avx512>, Lanes<f32, 16, Avx512>);
 #[cfg(not(target_arch = "x86_64"))]
 sides!(Lanes<f64, 4, Portable>, Lanes<f32, 8, Portable>);
 

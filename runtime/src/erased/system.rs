@@ -254,6 +254,8 @@ struct Standard<S>(PhantomData<fn() -> S>);
 
 impl<S: Schemes> Builder for Standard<S> {
     type Error = ();
+    // for each system a fifth of what there is to compile
+    const PAIRS: bool = false;
 
     fn method<T: Batch>(&self, parameters: &[T], step: T) -> Result<Box<dyn Method<T>>, ()> {
         let mut generated = |map, rule, step| {
