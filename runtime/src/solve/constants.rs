@@ -1,6 +1,9 @@
 //! The solver's numbers.
 //!
 //! A *unit* is the distance from 1 to the next larger number, relative to the norm of a block of unknowns.
+//!
+//! Each has been made four times as large and as small: at least one of the two changes lines of the table of `tests/tests/library/effort.rs`.
+//! Three do not: [`NEAR`] saves time and nothing else, and no step is near [`APART`] and [`ROUNDINGS`].
 
 /// How many solutions a polynomial goes through, at most. More magnify rounding more than an iteration takes off: of nine it counts 220 fold.
 pub(super) const THROUGH: usize = 8;
@@ -28,8 +31,6 @@ pub(super) const TOLERANCE: [f64; 3] = [8.0, 128.0, 16.0];
 pub(super) const TERMS: [f64; 2] = [0.25, 8.0];
 /// The largest rate of contraction of which `c / rate²` is as much as the last of these.
 pub(super) const QUICK: f64 = 0.04;
-/// Changes up to here are rounding, in units.
-pub(super) const NOISE: f64 = 4.0;
 /// Changes from here on show the rate of contraction, in units.
 pub(super) const SHARP: f64 = 256.0;
 /// Steps between two measurements of the rate: at first, and in the long run.
@@ -53,16 +54,15 @@ pub(super) const DAMPED: u32 = 40;
 pub(super) const SHORTEST: f64 = 1e-3;
 /// In how many parts a step is continued from its first approximation, if it takes more; one is Newton's method as it is.
 pub(super) const PARTS: [u32; 4] = [1, 4, 16, 64];
-/// The same where nothing else leads to a solution, to see whether Newton's method and the path agree.
-pub(super) const MANY_PARTS: [u32; 4] = [4, 16, 64, 256];
-/// Evaluations of Newton's method then, at most.
+/// Evaluations of each part but the last, on average and at most.
+pub(super) const EVALUATIONS: u32 = 8;
+/// Evaluations of the last part, or of the whole: as many as Newton's method may need that wanders before it converges.
 pub(super) const WANDERING: u32 = 60;
-/// Evaluations of the last part, or of the whole, and of each other part.
-pub(super) const EVALUATIONS: [u32; 2] = [12, 8];
 /// How far the last part of a path leads, relative to the unknown, at most.
 pub(super) const STRIDE: f64 = 0.25;
 /// What is left of a correction relative to the unknown where the next part may begin.
 pub(super) const ON_THE_WAY: f64 = 1e-3;
-/// Solutions that differ by more than this, relative to their size, and by more than so many times what rounding leaves of them, are two.
+/// Solutions that differ by more than this, relative to their size, and by more than so many times what rounding leaves of them, are two. Others
+/// differ by much more: no step is near these.
 pub(super) const APART: f64 = 1e-6;
 pub(super) const ROUNDINGS: f64 = 64.0;

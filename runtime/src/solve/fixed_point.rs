@@ -1,7 +1,7 @@
 //! Fixed-point iteration on a step's equation, `x ← L⁻¹ right(x)`, or, where the right side is `n(x)/(1 + d(x))`, `x ← L⁻¹ n(x) − d(x) x`: no
 //! iterate waits for a division.
 
-use super::constants::{FAR, ITERATIONS, NOISE, QUICK, SHARP, STRONG, TOLERANCE};
+use super::constants::{FAR, ITERATIONS, QUICK, SHARP, STRONG, TOLERANCE};
 use super::memory::{Memory, rate};
 use super::{Solution, SolutionOf, count, go_on};
 use crate::kernel::{AtState, Kernel};
@@ -53,7 +53,7 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
         };
         solved = solved | is_last;
         residual = T::select(is_last, now, residual);
-        let contracts = now.le(T::of(STRONG) * last) | now.le(T::of(NOISE * T::EPSILON));
+        let contracts = now.le(T::of(STRONG) * last);
         again = again & !is_last & contracts & T::Mask::splat(round < ITERATIONS);
         if !again.any() {
             break evaluation;

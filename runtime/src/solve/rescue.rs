@@ -1,7 +1,7 @@
 //! What is done for a step that neither iterations nor Newton's method solve: a lane at a time, from nothing that is remembered.
 
 use super::constants::{
-    APART, DAMPED, EVALUATIONS, MANY_PARTS, ON_THE_WAY, PARTS, ROUNDINGS, SHORTEST, STRIDE, WANDERING,
+    APART, DAMPED, EVALUATIONS, ON_THE_WAY, PARTS, ROUNDINGS, SHORTEST, STRIDE, WANDERING,
 };
 use crate::error::StepError;
 use crate::kernel::{Equation, Evaluation, finite};
@@ -122,7 +122,8 @@ impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
     /// The solution to which Newton's method and a path in many parts both lead, wherever corrections lead between.
     fn agreed(&self) -> Option<Rescued<T, U>> {
         let direct = self.newton(*self.start, 0, Newton::Wandering)?;
-        let continued = MANY_PARTS.iter().find_map(|parts| self.continued(*parts, Newton::Wandering))?;
+        // finer than before, as nothing else has led there
+        let continued = PARTS.iter().find_map(|parts| self.continued(4 * parts, Newton::Wandering))?;
         self.is_same(&direct.unknown, &continued.unknown).then_some(direct)
     }
 
@@ -140,9 +141,7 @@ impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
                 let moves = self.size(relative::<T, _>(self.blocks, &correction, &unknown));
                 evaluations += 1;
                 // nor is it on its way where corrections do not become smaller
-                if !(moves < last || moves <= ON_THE_WAY)
-                    || evaluations > EVALUATIONS[0] + EVALUATIONS[1] * parts
-                {
+                if !(moves < last || moves <= ON_THE_WAY) || evaluations > EVALUATIONS * parts {
                     return None;
                 }
                 unknown = less(&unknown, &correction);
@@ -158,9 +157,8 @@ impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
     /// The solution to which Newton's method leads from there, after so many evaluations.
     fn newton(&self, from: U, before: u32, way: Newton) -> Option<Rescued<T, U>> {
         let mut unknown = from;
-        let most = if way == Newton::Wandering { WANDERING } else { EVALUATIONS[0] + EVALUATIONS[1] };
         let mut last = f64::INFINITY;
-        for evaluations in 1..=most {
+        for evaluations in 1..=WANDERING {
             let Evaluation { residual, iterate: correction, .. } = self.equation.corrected(&unknown, None);
             if let Some(residual) = self.solved(&residual, &unknown) {
                 // what leads farther than a part of a path does may have come to another one

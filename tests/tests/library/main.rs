@@ -2,6 +2,7 @@
 
 mod certify;
 mod compensated;
+mod effort;
 mod ensemble;
 mod erased;
 mod faulty;
