@@ -111,7 +111,7 @@ impl<S: Discretized<M>, M, T: Batch> Method for Compensation<S, M, T> {
 
     fn advance_from(
         &mut self,
-        _stage: usize,
+        _from: Option<usize>,
         state: &Self::State,
         time: T,
         control: &Self::Control,

@@ -312,39 +312,7 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
     }
 
     #[inline(always)]
-    fn advance(
-        &mut self,
-        state: &B::State,
-        time: B::Scalar,
-        control: &B::Control,
-        known: bool,
-    ) -> Outcome<B::Scalar, B::State> {
-        self.stages(None, state, time, control, known)
-    }
-
-    #[inline(always)]
     fn advance_from(
-        &mut self,
-        stage: usize,
-        state: &B::State,
-        time: B::Scalar,
-        control: &B::Control,
-        known: bool,
-    ) -> Outcome<B::Scalar, B::State> {
-        self.stages(Some(stage), state, time, control, known)
-    }
-
-    #[inline]
-    fn memory(&mut self, visit: &mut dyn FnMut(&mut [B::Scalar])) {
-        visit_flag(&mut self.whole, visit);
-        self.steps.as_mut().iter_mut().for_each(|step| step.memory(visit));
-    }
-}
-
-impl<C: Coefficients, B: Method> Composition<C, B> {
-    /// The stages of a step; those from this one on, which needs more than there is on the fast path, if it is given.
-    #[inline(always)]
-    fn stages(
         &mut self,
         from: Option<usize>,
         state: &B::State,
@@ -371,6 +339,12 @@ impl<C: Coefficients, B: Method> Composition<C, B> {
         }
         self.whole = true;
         accumulator.end(state)
+    }
+
+    #[inline]
+    fn memory(&mut self, visit: &mut dyn FnMut(&mut [B::Scalar])) {
+        visit_flag(&mut self.whole, visit);
+        self.steps.as_mut().iter_mut().for_each(|step| step.memory(visit));
     }
 }
 
@@ -412,7 +386,7 @@ mod tests {
 
         fn advance_from(
             &mut self,
-            _: usize,
+            _: Option<usize>,
             &[q]: &[f64; 1],
             time: f64,
             _: &[f64; 0],

@@ -108,7 +108,7 @@ impl<T: Batch, B: Method<Scalar = FusedScalar<T>>, C: Components<T>> Work for St
         };
         let state = &wrapped(state);
         let outcome = match from {
-            Some(stage) => method.advance_from(stage, state, time, control, known),
+            Some(_) => method.advance_from(from, state, time, control, known),
             None => method.advance(state, time, control, known),
         };
         match outcome {
@@ -168,28 +168,16 @@ impl<S: Discretized<M>, M, T: Batch> Method for FusedMethod<S, M, T> {
     }
 
     #[inline(always)]
-    fn advance(
-        &mut self,
-        state: &Self::State,
-        time: T,
-        control: &Self::Control,
-        known: bool,
-    ) -> Outcome<T, Self::State> {
-        let (time, control) = (FusedScalar(time), &wrapped(control));
-        inside::<T, _>(Step { method: &mut self.0, from: None, state, time, control, known })
-    }
-
-    #[inline(always)]
     fn advance_from(
         &mut self,
-        stage: usize,
+        from: Option<usize>,
         state: &Self::State,
         time: T,
         control: &Self::Control,
         known: bool,
     ) -> Outcome<T, Self::State> {
         let (time, control) = (FusedScalar(time), &wrapped(control));
-        inside::<T, _>(Step { method: &mut self.0, from: Some(stage), state, time, control, known })
+        inside::<T, _>(Step { method: &mut self.0, from, state, time, control, known })
     }
 
     #[inline(always)]

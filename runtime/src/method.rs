@@ -37,7 +37,7 @@ pub trait Method: Clone + Send + Sync {
         control: &Self::Control,
         known: bool,
     ) -> Outcome<Self::Scalar, Self::State> {
-        self.advance_from(0, state, time, control, known)
+        self.advance_from(None, state, time, control, known)
     }
 
     /// Takes steps, up to `most`, with `control` held all the time, from a state that is known; fewer if one fails, of which nothing remains.
@@ -91,13 +91,14 @@ pub trait Method: Clone + Send + Sync {
     fn on_fast_path(&self) -> (<Self::Scalar as Batch>::Each<u32>, Self::Scalar) {
         (Self::Scalar::all(0), Self::Scalar::of(0.0))
     }
-    /// As [`advance`](Self::advance), from the stage of this number on, for which the state is that after the stages before it.
+    /// As [`advance`](Self::advance); if a stage is given, which needs more than there is on the fast path, from that one on: the state is
+    /// then the one after the stages before it.
     ///
     /// # Errors
     /// As [`advance`](Self::advance).
     fn advance_from(
         &mut self,
-        stage: usize,
+        from: Option<usize>,
         state: &Self::State,
         time: Self::Scalar,
         control: &Self::Control,
@@ -293,7 +294,7 @@ impl<B: Method> Work for Stage<'_, B> {
     fn done(self) -> Self::Result {
         let Self { method, from, state, time, control, known } = self;
         match from {
-            Some(stage) => method.advance_from(stage, state, time, control, known),
+            Some(_) => method.advance_from(from, state, time, control, known),
             None => method.advance(state, time, control, known),
         }
     }
@@ -464,8 +465,9 @@ where
     }
 
     #[inline(always)]
-    fn advance(
+    fn advance_from(
         &mut self,
+        from: Option<usize>,
         state: &A::State,
         time: A::Scalar,
         control: &A::Control,
@@ -474,31 +476,12 @@ where
         let known = known && self.whole;
         // until both are through
         self.whole = false;
-        let mut accumulator = StageAccumulator::new();
-        let middle = accumulator.stage(&mut self.first, None, state, time, control, known)?;
-        let next = accumulator.stage(&mut self.second, None, &middle, time + self.half, control, known)?;
-        self.whole = true;
-        accumulator.end(next)
-    }
-
-    #[inline(always)]
-    fn advance_from(
-        &mut self,
-        stage: usize,
-        state: &A::State,
-        time: A::Scalar,
-        control: &A::Control,
-        known: bool,
-    ) -> Outcome<A::Scalar, A::State> {
-        let known = known && self.whole;
-        self.whole = false;
         let (mut accumulator, mut at) = (StageAccumulator::new(), *state);
-        let mut from = stage.checked_sub(A::STAGES);
-        if stage < A::STAGES {
-            at = accumulator.stage(&mut self.first, Some(stage), &at, time, control, known)?;
-            from = None;
+        let within = from.and_then(|stage| stage.checked_sub(A::STAGES));
+        if within.is_none() {
+            at = accumulator.stage(&mut self.first, from, &at, time, control, known)?;
         }
-        let next = accumulator.stage(&mut self.second, from, &at, time + self.half, control, known)?;
+        let next = accumulator.stage(&mut self.second, within, &at, time + self.half, control, known)?;
         self.whole = true;
         accumulator.end(next)
     }
@@ -545,7 +528,7 @@ mod tests {
 
         fn advance_from(
             &mut self,
-            _: usize,
+            _: Option<usize>,
             _: &[f64; 0],
             time: f64,
             &[limit]: &[f64; 1],
