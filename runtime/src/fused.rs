@@ -2,7 +2,7 @@
 
 use core::marker::PhantomData;
 
-use crate::method::{Advanced, Clock, Failure, Method, Outcome, StepsReport};
+use crate::method::{Advanced, Clock, Failure, Method, Outcome, Stage, StepsReport};
 use crate::scalar::simd::lanes::{Portable, Processor};
 use crate::scalar::{Batch, Components, LongWork, On, Scalar, Work, functions, operators};
 use crate::system::{Discretized, System};
@@ -106,12 +106,7 @@ impl<T: Batch, B: Method<Scalar = FusedScalar<T>>, C: Components<T>> Work for St
             iterations: advanced.iterations,
             residual: advanced.residual.0,
         };
-        let state = &wrapped(state);
-        let outcome = match from {
-            Some(_) => method.advance_from(from, state, time, control, known),
-            None => method.advance(state, time, control, known),
-        };
-        match outcome {
+        match (Stage { method, from, state: &wrapped(state), time, control, known }).done() {
             Ok(advanced) => Ok(without(advanced)),
             Err(Failure { errors, advanced }) => Err(Failure { errors, advanced: without(advanced) }),
         }

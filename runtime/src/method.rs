@@ -300,9 +300,9 @@ impl<B: Method> Work for Stage<'_, B> {
     }
 }
 
-/// How a step went, in each lane: its iterations and the residual left, or what went wrong.
+/// What comes of a step whose state is written elsewhere.
 #[cfg(feature = "std")]
-pub(crate) type Counted<T> = Result<(<T as Batch>::Each<u32>, T), <T as Batch>::Each<Option<StepError>>>;
+pub(crate) type Counted<T> = Outcome<T, ()>;
 
 /// Sums up the stages of a composed step: iterations, the largest residual, and the errors of each lane.
 pub(crate) struct StageAccumulator<T: Batch> {
@@ -334,56 +334,32 @@ impl<T: Batch> StageAccumulator<T> {
     ) -> Result<B::State, Failure<T, B::State>> {
         let stage = Stage { method, from, state, time, control, known };
         // of one number the fast path is part of what takes the stages; in lanes each is long
-        let outcome = if const { T::LANES == 1 } { stage.done() } else { T::dispatch(stage) };
-        let advanced = match outcome {
+        self.count(if const { T::LANES == 1 } { stage.done() } else { T::dispatch(stage) })
+    }
+
+    /// Counts a stage that was taken. Where it leads to.
+    ///
+    /// # Errors
+    /// If something went wrong in every lane.
+    #[inline(always)]
+    pub(crate) fn count<S>(&mut self, outcome: Outcome<T, S>) -> Result<S, Failure<T, S>> {
+        let Advanced { state, iterations, residual } = match outcome {
             Ok(advanced) => advanced,
             Err(failure) => {
-                if self.fails(&failure.errors) {
+                self.is_flawless = false;
+                for (error, other) in self.errors.as_mut().iter_mut().zip(failure.errors.as_ref()) {
+                    *error = error.or(*other);
+                }
+                if self.errors.as_ref().iter().all(Option::is_some) {
                     return Err(Failure { errors: self.errors, ..failure });
                 }
                 failure.advanced
             }
         };
-        self.add(advanced.iterations, advanced.residual);
-        Ok(advanced.state)
-    }
-
-    /// Adds the errors of a stage; whether every lane now has one.
-    #[inline(always)]
-    fn fails(&mut self, errors: &T::Each<Option<StepError>>) -> bool {
-        self.is_flawless = false;
-        for (error, other) in self.errors.as_mut().iter_mut().zip(errors.as_ref()) {
-            *error = error.or(*other);
-        }
-        self.errors.as_ref().iter().all(Option::is_some)
-    }
-
-    #[inline(always)]
-    fn add(&mut self, iterations: T::Each<u32>, residual: T) {
         self.iterations = sum::<T>(self.iterations, iterations);
         let larger = self.residual.lt(residual);
         self.residual = T::select(larger, residual, self.residual);
-    }
-
-    /// Counts a stage that was taken. The iterations of a stage that failed in a lane are not counted.
-    ///
-    /// # Errors
-    /// If something went wrong in every lane.
-    #[cfg(feature = "std")]
-    #[inline(always)]
-    pub(crate) fn count(&mut self, outcome: Counted<T>) -> Result<(), T::Each<Option<StepError>>> {
-        match outcome {
-            Ok((iterations, residual)) => self.add(iterations, residual),
-            Err(errors) if self.fails(&errors) => return Err(self.errors),
-            Err(_) => {}
-        }
-        Ok(())
-    }
-
-    /// How the stages went.
-    #[cfg(feature = "std")]
-    pub(crate) fn outcome(self) -> Counted<T> {
-        if self.is_flawless { Ok((self.iterations, self.residual)) } else { Err(self.errors) }
+        Ok(state)
     }
 
     /// Where the stages have led to.

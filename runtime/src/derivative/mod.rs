@@ -63,6 +63,7 @@ use core::fmt;
 
 use num_traits::Zero;
 
+use blocks::dense;
 pub use blocks::{
     Dense, IndexRange, JacobianBlocks, JacobianBlocksOf, WrtControl, WrtParameters, WrtState, block,
 };
@@ -313,7 +314,7 @@ where
         let Parts { state, control, parameters } = perturbation;
         let (state, control, parameters) = (to_array(state), to_array(control), to_array(parameters));
         let next = D::tangent(&self.derivative, &state, &control, &parameters);
-        Dense::from_column(next.as_ref())
+        dense(&[next])
     }
 
     /// The derivatives with respect to state, controls and parameters of a function of the next state whose derivative there is `costate`: the
@@ -323,11 +324,7 @@ where
         S: Derives<Adjoint>,
     {
         let (state, control, parameters) = D::adjoint(&self.derivative, &to_array(costate));
-        Parts {
-            state: Dense::from_column(state.as_ref()),
-            control: Dense::from_column(control.as_ref()),
-            parameters: Dense::from_column(parameters.as_ref()),
-        }
+        Parts { state: dense(&[state]), control: dense(&[control]), parameters: dense(&[parameters]) }
     }
 
     /// As matrices: the blocks that are asked for.

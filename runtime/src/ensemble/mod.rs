@@ -229,12 +229,12 @@ impl<S: Discretized<M> + 'static, M: 'static> Ensemble<S, M> {
 
     /// The time, in f64 whatever the scalar.
     pub fn time(&self) -> f64 {
-        self.members.time()
+        self.members.clock.after(0)
     }
 
     /// Sets the time: the next step starts at `time`.
     pub fn set_time(&mut self, time: f64) {
-        self.members.set_time(time);
+        (self.members.clock.start, self.members.clock.taken) = (time, 0);
     }
 
     /// The steps taken since the start, or since the time was set.
@@ -279,7 +279,7 @@ impl<S: Discretized<M> + 'static, M: 'static> Ensemble<S, M> {
 
     /// How many members are stepped side by side: that depends on the processor.
     pub fn width(&self) -> usize {
-        self.members.width()
+        self.members.width
     }
 
     /// Chooses the controls of all members, to be held until they are chosen anew; before, they are zero.

@@ -119,7 +119,7 @@ impl<T: Batch> Method<T> for Composition<T> {
             core::mem::swap(&mut to, &mut other);
         }
         self.whole = true;
-        accumulator.outcome()
+        accumulator.end(())
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {

@@ -18,6 +18,7 @@ use crate::scalar::Batch;
 use crate::scheme::{Base, Rule};
 use crate::schemes::Scheme;
 use crate::solve::step::OneStep;
+use crate::stepper::check_state;
 use crate::system::{self, Control, Description, Dynamics, Generated, Quantity, Schemes, State, Visitor};
 
 /// How many numbers these quantities are.
@@ -28,6 +29,12 @@ pub(crate) fn length(quantities: &[Quantity]) -> usize {
 /// Whether a list has as many numbers as a state.
 pub(crate) fn check_length(state: &[f64], expected: usize) -> Result<(), StepError> {
     if state.len() == expected { Ok(()) } else { Err(StepError::Length { expected }) }
+}
+
+/// Whether a list is a state of a system that is finite and on its group, more or less.
+pub(crate) fn check(system: &(impl Geometry + ?Sized), state: &[f64]) -> Result<(), StepError> {
+    check_length(state, length(system.description().state))?;
+    check_state(state, system.deviation(state))
 }
 
 /// A system with its parameters and its geometry, on slices; any [`system::Geometry`] over `f64` is one. Not to be imported from outside: the

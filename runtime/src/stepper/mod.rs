@@ -1,7 +1,7 @@
 //! The stepper: a method with its step, for people to call.
 
 pub(crate) mod report;
-mod stepping;
+pub(crate) mod stepping;
 mod trajectory;
 
 use core::fmt;
