@@ -4,7 +4,7 @@ use core::marker::PhantomData;
 
 use crate::method::{Advanced, Clock, Failure, Method, Outcome, Stage, StepsReport};
 use crate::scalar::simd::lanes::{Portable, Processor};
-use crate::scalar::{Batch, Components, LongWork, On, Scalar, Work, functions, operators};
+use crate::scalar::{Batch, Components, LongWork, On, Scalar, Work, functions, mapped, operators};
 use crate::system::{Discretized, System};
 
 /// The scheme `M` with products and sums rounded once, for speed.
@@ -63,20 +63,12 @@ impl<S: Discretized<M>, M, T: Batch> Clone for FusedMethod<S, M, T> {
 
 #[inline(always)]
 fn wrapped<T: Batch, C: Components<T>, W: Components<FusedScalar<T>>>(components: &C) -> W {
-    let mut wrapped = W::splat(FusedScalar(T::of(0.0)));
-    for (fused, number) in wrapped.as_mut().iter_mut().zip(components.as_ref()) {
-        *fused = FusedScalar(*number);
-    }
-    wrapped
+    mapped(components.as_ref(), FusedScalar(T::of(0.0)), FusedScalar)
 }
 
 #[inline(always)]
 fn unwrapped<T: Batch, W: Components<FusedScalar<T>>, C: Components<T>>(components: &W) -> C {
-    let mut unwrapped = C::splat(T::of(0.0));
-    for (number, fused) in unwrapped.as_mut().iter_mut().zip(components.as_ref()) {
-        *number = fused.0;
-    }
-    unwrapped
+    mapped(components.as_ref(), T::of(0.0), |fused| fused.0)
 }
 
 /// Does the work where the instructions are: wide registers are there already.

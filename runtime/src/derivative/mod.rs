@@ -75,7 +75,7 @@ pub use method::{AllColumns, DerivativeSelection, HasDerivative, Linearizable, S
 pub use run::CheckpointedTape;
 
 use crate::kernel::Kernel;
-use crate::scalar::{Components, Scalar};
+use crate::scalar::{Components, Scalar, mapped};
 use crate::system::{Discretized, MethodOf, System};
 
 /// A system whose steps have derivatives, and the spaces that these act between.
@@ -281,9 +281,7 @@ pub type Perturbation<S> = Parts<
 pub type Gradient<S> = Perturbation<S>;
 
 fn to_array<T: Scalar, C: Components<T>>(vector: &impl Dense<T>) -> C {
-    let mut array: C = zeros();
-    array.as_mut().iter_mut().zip(vector.as_slice()).for_each(|(entry, value)| *entry = *value);
-    array
+    mapped(vector.as_slice(), T::of(0.0), |entry| entry)
 }
 
 /// The derivative of a step of the scheme `M` as a linear map.

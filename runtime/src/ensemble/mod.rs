@@ -54,7 +54,7 @@ use thiserror::Error;
 
 use crate::error::{ParameterError, StepError};
 use crate::flat::{Flat, Method, NotGenerated};
-use crate::scalar::{Batch, Components, Real, Scalar};
+use crate::scalar::{Batch, Real, Scalar, mapped};
 use crate::stepper::{check_state, check_step};
 use crate::system::{Control, Discretized, State, System};
 pub use initial::{normal, uniform};
@@ -130,11 +130,7 @@ pub(crate) fn check_member(
 /// The state of a member, by way of these numbers.
 fn state_of<S: System>(members: &Members, member: usize, numbers: &mut Vec<f64>) -> S::State {
     members.state(member, numbers);
-    let mut components = S::StateComponents::<S::Scalar>::splat(S::Scalar::of(0.0));
-    for (component, number) in components.as_mut().iter_mut().zip(numbers) {
-        *component = S::Scalar::of(*number);
-    }
-    S::State::from_components(&components)
+    S::State::from_components(&mapped(numbers, S::Scalar::of(0.0), S::Scalar::of))
 }
 
 /// The steps of the scheme `M`, for as many members as there are lanes.

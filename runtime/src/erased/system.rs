@@ -80,6 +80,16 @@ fn control_of<S: system::System<Scalar = f64>>(control: &[f64]) -> S::Control {
     S::Control::from_components(&array(control))
 }
 
+/// What a state has at a time and with controls, in the coordinates of tangent vectors.
+macro_rules! tangents {
+    ($($name:ident),*) => {
+        $(fn $name(&self, state: &[f64], time: f64, control: &[f64]) -> Vec<f64> {
+            let control = control_of::<S>(control);
+            system::Geometry::$name(self, &state_of::<S>(state), time, &control).as_ref().to_vec()
+        })*
+    };
+}
+
 impl<S: system::Geometry<Scalar = f64>> Geometry for S {
     fn description(&self) -> Description {
         Description::of::<S>()
@@ -110,24 +120,11 @@ impl<S: system::Geometry<Scalar = f64>> Geometry for S {
         displaced.to_components().as_ref().to_vec()
     }
 
-    fn differential(&self, state: &[f64], time: f64, control: &[f64]) -> Vec<f64> {
-        let control = control_of::<S>(control);
-        system::Geometry::differential(self, &state_of::<S>(state), time, &control).as_ref().to_vec()
-    }
+    tangents!(differential, force, motion);
 
     fn hamiltonian_vector(&self, state: &[f64], covector: &[f64]) -> Vec<f64> {
         let state = state_of::<S>(state);
         system::Geometry::hamiltonian_vector(self, &state, &array(covector)).as_ref().to_vec()
-    }
-
-    fn force(&self, state: &[f64], time: f64, control: &[f64]) -> Vec<f64> {
-        let control = control_of::<S>(control);
-        system::Geometry::force(self, &state_of::<S>(state), time, &control).as_ref().to_vec()
-    }
-
-    fn motion(&self, state: &[f64], time: f64, control: &[f64]) -> Vec<f64> {
-        let control = control_of::<S>(control);
-        system::Geometry::motion(self, &state_of::<S>(state), time, &control).as_ref().to_vec()
     }
 
     fn vector_field(&self, state: &[f64], time: f64, control: &[f64]) -> Vec<f64> {
