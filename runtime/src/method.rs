@@ -452,12 +452,13 @@ where
         let known = known && self.whole;
         // until both are through
         self.whole = false;
-        let (mut accumulator, mut at) = (StageAccumulator::new(), *state);
+        let mut accumulator = StageAccumulator::new();
         let within = from.and_then(|stage| stage.checked_sub(A::STAGES));
-        if within.is_none() {
-            at = accumulator.stage(&mut self.first, from, &at, time, control, known)?;
-        }
-        let next = accumulator.stage(&mut self.second, within, &at, time + self.half, control, known)?;
+        let middle = match within {
+            Some(_) => *state,
+            None => accumulator.stage(&mut self.first, from, state, time, control, known)?,
+        };
+        let next = accumulator.stage(&mut self.second, within, &middle, time + self.half, control, known)?;
         self.whole = true;
         accumulator.end(next)
     }
