@@ -89,10 +89,7 @@ where
             }
             match stepper.step_with(state, &control(step)) {
                 Ok(taken) => report.count(&taken),
-                Err(source) => {
-                    let time = stepper.time();
-                    return Err(RunError { step: step + 1, time, report, cause: source });
-                }
+                Err(cause) => return Err(RunError::new(step + 1, stepper.time(), report, cause)),
             }
         }
         Ok(Self { checkpoints, spacing, steps, control })

@@ -352,8 +352,9 @@ impl Stepper {
         if report.steps > 0 {
             state.copy_from_slice(&self.left);
         }
-        let (step, time) = (self.steps_taken() + 1, self.time());
-        outcome.map(|()| report).map_err(|cause| RunError { step, time, report, cause })
+        outcome
+            .map(|()| report)
+            .map_err(|cause| RunError::new(self.steps_taken() + 1, self.time(), report, cause))
     }
 
     fn clock(&self) -> Clock {
