@@ -41,10 +41,25 @@ macro_rules! pages {
         })*
     };
 }
-pages! {
-    beginning, program, describing, groups, energies, choosing, mathematics, rigid_motions, forces, running,
-    ensembles, derivatives, storing, embedded, erased, reading, paper
-}
+pages![
+    beginning,
+    program,
+    describing,
+    groups,
+    energies,
+    choosing,
+    mathematics,
+    rigid_motions,
+    forces,
+    running,
+    ensembles,
+    derivatives,
+    storing,
+    embedded,
+    erased,
+    reading,
+    paper
+];
 
 // its code needs a crate that depends on this one, which compiles it
 pub mod your_program {
