@@ -4,7 +4,7 @@ use core::marker::PhantomData;
 
 use crate::double::Double;
 use crate::method::{Advanced, Failure, Method, Outcome};
-use crate::scalar::{Batch, Components, Mask, Scalar};
+use crate::scalar::{Batch, Components, Mask, Scalar, mapped};
 use crate::system::{Discretized, System};
 
 /// The scheme `M` in compensated arithmetic, for very long runs.
@@ -65,20 +65,12 @@ impl<S: Discretized<M>, M, T: Batch> Clone for Compensation<S, M, T> {
 
 /// The same numbers with more digits.
 fn widened<T: Batch, C: Components<T>, W: Components<Wide<T>>>(components: &C) -> W {
-    let mut wide = W::splat(Wide::of(0.0));
-    for (wide, number) in wide.as_mut().iter_mut().zip(components.as_ref()) {
-        *wide = Double::exactly(*number);
-    }
-    wide
+    mapped(components.as_ref(), Wide::of(0.0), Double::exactly)
 }
 
 /// The nearest numbers with fewer.
 fn rounded<T: Batch, W: Components<Wide<T>>, C: Components<T>>(components: &W) -> C {
-    let mut rounded = C::splat(T::of(0.0));
-    for (number, wide) in rounded.as_mut().iter_mut().zip(components.as_ref()) {
-        *number = wide.parts()[0];
-    }
-    rounded
+    mapped(components.as_ref(), T::of(0.0), |wide| wide.parts()[0])
 }
 
 impl<S: Discretized<M>, M, T: Batch> Compensation<S, M, T> {
@@ -111,7 +103,7 @@ impl<S: Discretized<M>, M, T: Batch> Method for Compensation<S, M, T> {
 
     fn advance_from(
         &mut self,
-        _stage: usize,
+        _from: Option<usize>,
         state: &Self::State,
         time: T,
         control: &Self::Control,

@@ -207,25 +207,6 @@ pub struct Composition<C: Coefficients, B: Method> {
     whole: bool,
 }
 
-/// The fast paths of all steps.
-#[derive(Debug)]
-#[doc(hidden)]
-pub struct Paths<C: Coefficients, B: Method>(C::Steps<B::FastPath>);
-
-impl<C: Coefficients, B: Method> Clone for Paths<C, B> {
-    #[inline]
-    fn clone(&self) -> Self {
-        Self(self.0.clone())
-    }
-}
-
-impl<C: Coefficients, B: Method> Default for Paths<C, B> {
-    #[inline]
-    fn default() -> Self {
-        Self(C::steps(|_| B::FastPath::default()))
-    }
-}
-
 impl<C: Coefficients, B: Method> Clone for Composition<C, B> {
     #[inline]
     fn clone(&self) -> Self {
@@ -251,7 +232,8 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
 
     const STAGES: usize = C::GAMMA.len() * B::STAGES;
     const HAS_FAST_PATH: bool = B::HAS_FAST_PATH;
-    type FastPath = Paths<C, B>;
+    /// Those of all steps: there are some wherever steps are [ready](Method::ready_for).
+    type FastPath = Option<C::Steps<B::FastPath>>;
 
     #[inline(always)]
     fn ready_for(&self) -> u64 {
@@ -264,7 +246,7 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
     #[inline(always)]
     fn enter(&self) -> Self::FastPath {
         let steps = self.steps.as_ref();
-        Paths(C::steps(|k| steps.get(k).map(B::enter).unwrap_or_default()))
+        Some(C::steps(|k| steps.get(k).map(B::enter).unwrap_or_default()))
     }
 
     #[inline(always)]
@@ -275,8 +257,9 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
         time: B::Scalar,
         control: &B::Control,
     ) -> (B::State, Option<usize>) {
+        let Some(paths) = path else { return (*state, Some(0)) };
         let (mut state, mut done, mut stages, whole) = (*state, 0.0, 0, self.step);
-        let steps = self.steps.as_mut().iter_mut().zip(path.0.as_mut());
+        let steps = self.steps.as_mut().iter_mut().zip(paths.as_mut());
         for ((step, path), gamma) in steps.zip(C::GAMMA) {
             let start = time + B::Scalar::of(done) * whole;
             let (next, halted) = step.advance_fast::<P>(path, &state, start, control);
@@ -293,7 +276,8 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
     #[inline(always)]
     fn leave(&mut self, path: &mut Self::FastPath, steps: u64, stages: usize) {
         let mut left = stages;
-        for (step, path) in self.steps.as_mut().iter_mut().zip(path.0.as_mut()) {
+        let Some(paths) = path else { return };
+        for (step, path) in self.steps.as_mut().iter_mut().zip(paths.as_mut()) {
             let is_through = left >= B::STAGES;
             step.leave(path, steps + u64::from(is_through), if is_through { 0 } else { left });
             left = left.saturating_sub(B::STAGES);
@@ -312,39 +296,7 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
     }
 
     #[inline(always)]
-    fn advance(
-        &mut self,
-        state: &B::State,
-        time: B::Scalar,
-        control: &B::Control,
-        known: bool,
-    ) -> Outcome<B::Scalar, B::State> {
-        self.stages(None, state, time, control, known)
-    }
-
-    #[inline(always)]
     fn advance_from(
-        &mut self,
-        stage: usize,
-        state: &B::State,
-        time: B::Scalar,
-        control: &B::Control,
-        known: bool,
-    ) -> Outcome<B::Scalar, B::State> {
-        self.stages(Some(stage), state, time, control, known)
-    }
-
-    #[inline]
-    fn memory(&mut self, visit: &mut dyn FnMut(&mut [B::Scalar])) {
-        visit_flag(&mut self.whole, visit);
-        self.steps.as_mut().iter_mut().for_each(|step| step.memory(visit));
-    }
-}
-
-impl<C: Coefficients, B: Method> Composition<C, B> {
-    /// The stages of a step; those from this one on, which needs more than there is on the fast path, if it is given.
-    #[inline(always)]
-    fn stages(
         &mut self,
         from: Option<usize>,
         state: &B::State,
@@ -371,6 +323,12 @@ impl<C: Coefficients, B: Method> Composition<C, B> {
         }
         self.whole = true;
         accumulator.end(state)
+    }
+
+    #[inline]
+    fn memory(&mut self, visit: &mut dyn FnMut(&mut [B::Scalar])) {
+        visit_flag(&mut self.whole, visit);
+        self.steps.as_mut().iter_mut().for_each(|step| step.memory(visit));
     }
 }
 
@@ -412,7 +370,7 @@ mod tests {
 
         fn advance_from(
             &mut self,
-            _: usize,
+            _: Option<usize>,
             &[q]: &[f64; 1],
             time: f64,
             _: &[f64; 0],

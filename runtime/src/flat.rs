@@ -6,8 +6,7 @@ use std::vec::Vec;
 
 use thiserror::Error;
 
-use crate::error::StepError;
-use crate::method::{self, Advanced, Clock, Counted, Stage, StepsReport};
+use crate::method::{self, Advanced, Clock, Counted, Failure, Stage, StepsReport};
 use crate::scalar::{Batch, Components, Scalar, Work};
 
 /// What takes a step of one system with one scheme, on slices: [`method::Method`] with its type erased.
@@ -30,12 +29,6 @@ pub trait Method<T: Batch>: Send + Sync {
 
     /// Shows what is carried from step to step: see [`method::Method::memory`].
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T]));
-}
-
-/// The error of a step of one state that could not be taken.
-pub(crate) fn of_only_lane(errors: [Option<StepError>; 1]) -> StepError {
-    // it has failed
-    errors.into_iter().flatten().next().unwrap_or(StepError::NotFinite)
 }
 
 /// The array of these numbers. What is missing is zero.
@@ -107,15 +100,13 @@ impl<M: method::Method, const BATCHES: bool> Method<M::Scalar> for ([M::CallSite
         let step = Stage { method, from: None, state, time, control, known };
         // numbers side by side need the instructions that they are made for
         let outcome = if const { M::Scalar::LANES > 1 } { M::Scalar::dispatch(step) } else { step.done() };
+        let mut written = |Advanced { state, iterations, residual }| {
+            write(next, &state);
+            Advanced { state: (), iterations, residual }
+        };
         match outcome {
-            Ok(Advanced { state, iterations, residual }) => {
-                write(next, &state);
-                Ok((iterations, residual))
-            }
-            Err(failure) => {
-                write(next, &failure.advanced.state);
-                Err(failure.errors)
-            }
+            Ok(advanced) => Ok(written(advanced)),
+            Err(Failure { errors, advanced }) => Err(Failure { errors, advanced: written(advanced) }),
         }
     }
 

@@ -2,9 +2,9 @@
 
 use core::marker::PhantomData;
 
-use crate::method::{Advanced, Clock, Failure, Method, Outcome, StepsReport};
+use crate::method::{Advanced, Clock, Failure, Method, Outcome, Stage, StepsReport};
 use crate::scalar::simd::lanes::{Portable, Processor};
-use crate::scalar::{Batch, Components, LongWork, On, Scalar, Work, functions, operators};
+use crate::scalar::{Batch, Components, LongWork, On, Scalar, Work, functions, mapped, operators};
 use crate::system::{Discretized, System};
 
 /// The scheme `M` with products and sums rounded once, for speed.
@@ -63,20 +63,12 @@ impl<S: Discretized<M>, M, T: Batch> Clone for FusedMethod<S, M, T> {
 
 #[inline(always)]
 fn wrapped<T: Batch, C: Components<T>, W: Components<FusedScalar<T>>>(components: &C) -> W {
-    let mut wrapped = W::splat(FusedScalar(T::of(0.0)));
-    for (fused, number) in wrapped.as_mut().iter_mut().zip(components.as_ref()) {
-        *fused = FusedScalar(*number);
-    }
-    wrapped
+    mapped(components.as_ref(), FusedScalar(T::of(0.0)), FusedScalar)
 }
 
 #[inline(always)]
 fn unwrapped<T: Batch, W: Components<FusedScalar<T>>, C: Components<T>>(components: &W) -> C {
-    let mut unwrapped = C::splat(T::of(0.0));
-    for (number, fused) in unwrapped.as_mut().iter_mut().zip(components.as_ref()) {
-        *number = fused.0;
-    }
-    unwrapped
+    mapped(components.as_ref(), T::of(0.0), |fused| fused.0)
 }
 
 /// Does the work where the instructions are: wide registers are there already.
@@ -106,12 +98,7 @@ impl<T: Batch, B: Method<Scalar = FusedScalar<T>>, C: Components<T>> Work for St
             iterations: advanced.iterations,
             residual: advanced.residual.0,
         };
-        let state = &wrapped(state);
-        let outcome = match from {
-            Some(stage) => method.advance_from(stage, state, time, control, known),
-            None => method.advance(state, time, control, known),
-        };
-        match outcome {
+        match (Stage { method, from, state: &wrapped(state), time, control, known }).done() {
             Ok(advanced) => Ok(without(advanced)),
             Err(Failure { errors, advanced }) => Err(Failure { errors, advanced: without(advanced) }),
         }
@@ -168,28 +155,16 @@ impl<S: Discretized<M>, M, T: Batch> Method for FusedMethod<S, M, T> {
     }
 
     #[inline(always)]
-    fn advance(
-        &mut self,
-        state: &Self::State,
-        time: T,
-        control: &Self::Control,
-        known: bool,
-    ) -> Outcome<T, Self::State> {
-        let (time, control) = (FusedScalar(time), &wrapped(control));
-        inside::<T, _>(Step { method: &mut self.0, from: None, state, time, control, known })
-    }
-
-    #[inline(always)]
     fn advance_from(
         &mut self,
-        stage: usize,
+        from: Option<usize>,
         state: &Self::State,
         time: T,
         control: &Self::Control,
         known: bool,
     ) -> Outcome<T, Self::State> {
         let (time, control) = (FusedScalar(time), &wrapped(control));
-        inside::<T, _>(Step { method: &mut self.0, from: Some(stage), state, time, control, known })
+        inside::<T, _>(Step { method: &mut self.0, from, state, time, control, known })
     }
 
     #[inline(always)]

@@ -33,81 +33,41 @@
 //!
 //! How to read the figures is in the documentation of the crate `coadjoint-systems`: `coadjoint_systems::guide`.
 
-pub mod beginning {
-    #![doc = include_str!("guide/beginning.md")]
+/// A page is a file of its name.
+macro_rules! pages {
+    ($($page:ident),*) => {
+        $(pub mod $page {
+            #![doc = include_str!(concat!("guide/", stringify!($page), ".md"))]
+        })*
+    };
 }
-
-pub mod program {
-    #![doc = include_str!("guide/program.md")]
-}
+pages![
+    beginning,
+    program,
+    describing,
+    groups,
+    energies,
+    choosing,
+    mathematics,
+    rigid_motions,
+    forces,
+    running,
+    ensembles,
+    derivatives,
+    storing,
+    embedded,
+    erased,
+    reading,
+    paper
+];
 
 // its code needs a crate that depends on this one, which compiles it
 pub mod your_program {
     #![cfg_attr(not(doctest), doc = include_str!("guide/your_program.md"))]
 }
 
-pub mod groups {
-    #![doc = include_str!("guide/groups.md")]
-}
-
-pub mod describing {
-    #![doc = include_str!("guide/describing.md")]
-}
-
-pub mod energies {
-    #![doc = include_str!("guide/energies.md")]
-}
-
-pub mod choosing {
-    #![doc = include_str!("guide/choosing.md")]
-}
-
-pub mod mathematics {
-    #![doc = include_str!("guide/mathematics.md")]
-}
-
-pub mod rigid_motions {
-    #![doc = include_str!("guide/rigid_motions.md")]
-}
-
-pub mod forces {
-    #![doc = include_str!("guide/forces.md")]
-}
-
-pub mod running {
-    #![doc = include_str!("guide/running.md")]
-}
-
-pub mod ensembles {
-    #![doc = include_str!("guide/ensembles.md")]
-}
-
-pub mod derivatives {
-    #![doc = include_str!("guide/derivatives.md")]
-}
-
-pub mod storing {
-    #![doc = include_str!("guide/storing.md")]
-}
-
-pub mod embedded {
-    #![doc = include_str!("guide/embedded.md")]
-}
-
-pub mod erased {
-    #![doc = include_str!("guide/erased.md")]
-}
-
 pub mod language {
     //! Everything a description may contain. [Describing a system](super::describing) says what it is for.
     //!
     #![doc = include_str!("guide/language.md")]
-}
-
-pub mod reading {
-    #![doc = include_str!("guide/reading.md")]
-}
-
-pub mod paper {
-    #![doc = include_str!("guide/paper.md")]
 }

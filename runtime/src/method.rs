@@ -37,7 +37,7 @@ pub trait Method: Clone + Send + Sync {
         control: &Self::Control,
         known: bool,
     ) -> Outcome<Self::Scalar, Self::State> {
-        self.advance_from(0, state, time, control, known)
+        self.advance_from(None, state, time, control, known)
     }
 
     /// Takes steps, up to `most`, with `control` held all the time, from a state that is known; fewer if one fails, of which nothing remains.
@@ -91,13 +91,14 @@ pub trait Method: Clone + Send + Sync {
     fn on_fast_path(&self) -> (<Self::Scalar as Batch>::Each<u32>, Self::Scalar) {
         (Self::Scalar::all(0), Self::Scalar::of(0.0))
     }
-    /// As [`advance`](Self::advance), from the stage of this number on, for which the state is that after the stages before it.
+    /// As [`advance`](Self::advance); if a stage is given, which needs more than there is on the fast path, from that one on: the state is
+    /// then the one after the stages before it.
     ///
     /// # Errors
     /// As [`advance`](Self::advance).
     fn advance_from(
         &mut self,
-        stage: usize,
+        from: Option<usize>,
         state: &Self::State,
         time: Self::Scalar,
         control: &Self::Control,
@@ -293,15 +294,15 @@ impl<B: Method> Work for Stage<'_, B> {
     fn done(self) -> Self::Result {
         let Self { method, from, state, time, control, known } = self;
         match from {
-            Some(stage) => method.advance_from(stage, state, time, control, known),
+            Some(_) => method.advance_from(from, state, time, control, known),
             None => method.advance(state, time, control, known),
         }
     }
 }
 
-/// How a step went, in each lane: its iterations and the residual left, or what went wrong.
+/// What comes of a step whose state is written elsewhere.
 #[cfg(feature = "std")]
-pub(crate) type Counted<T> = Result<(<T as Batch>::Each<u32>, T), <T as Batch>::Each<Option<StepError>>>;
+pub(crate) type Counted<T> = Outcome<T, ()>;
 
 /// Sums up the stages of a composed step: iterations, the largest residual, and the errors of each lane.
 pub(crate) struct StageAccumulator<T: Batch> {
@@ -333,56 +334,32 @@ impl<T: Batch> StageAccumulator<T> {
     ) -> Result<B::State, Failure<T, B::State>> {
         let stage = Stage { method, from, state, time, control, known };
         // of one number the fast path is part of what takes the stages; in lanes each is long
-        let outcome = if const { T::LANES == 1 } { stage.done() } else { T::dispatch(stage) };
-        let advanced = match outcome {
+        self.count(if const { T::LANES == 1 } { stage.done() } else { T::dispatch(stage) })
+    }
+
+    /// Counts a stage that was taken. Where it leads to.
+    ///
+    /// # Errors
+    /// If something went wrong in every lane.
+    #[inline(always)]
+    pub(crate) fn count<S>(&mut self, outcome: Outcome<T, S>) -> Result<S, Failure<T, S>> {
+        let Advanced { state, iterations, residual } = match outcome {
             Ok(advanced) => advanced,
             Err(failure) => {
-                if self.fails(&failure.errors) {
+                self.is_flawless = false;
+                for (error, other) in self.errors.as_mut().iter_mut().zip(failure.errors.as_ref()) {
+                    *error = error.or(*other);
+                }
+                if self.errors.as_ref().iter().all(Option::is_some) {
                     return Err(Failure { errors: self.errors, ..failure });
                 }
                 failure.advanced
             }
         };
-        self.add(advanced.iterations, advanced.residual);
-        Ok(advanced.state)
-    }
-
-    /// Adds the errors of a stage; whether every lane now has one.
-    #[inline(always)]
-    fn fails(&mut self, errors: &T::Each<Option<StepError>>) -> bool {
-        self.is_flawless = false;
-        for (error, other) in self.errors.as_mut().iter_mut().zip(errors.as_ref()) {
-            *error = error.or(*other);
-        }
-        self.errors.as_ref().iter().all(Option::is_some)
-    }
-
-    #[inline(always)]
-    fn add(&mut self, iterations: T::Each<u32>, residual: T) {
         self.iterations = sum::<T>(self.iterations, iterations);
         let larger = self.residual.lt(residual);
         self.residual = T::select(larger, residual, self.residual);
-    }
-
-    /// Counts a stage that was taken. The iterations of a stage that failed in a lane are not counted.
-    ///
-    /// # Errors
-    /// If something went wrong in every lane.
-    #[cfg(feature = "std")]
-    #[inline(always)]
-    pub(crate) fn count(&mut self, outcome: Counted<T>) -> Result<(), T::Each<Option<StepError>>> {
-        match outcome {
-            Ok((iterations, residual)) => self.add(iterations, residual),
-            Err(errors) if self.fails(&errors) => return Err(self.errors),
-            Err(_) => {}
-        }
-        Ok(())
-    }
-
-    /// How the stages went.
-    #[cfg(feature = "std")]
-    pub(crate) fn outcome(self) -> Counted<T> {
-        if self.is_flawless { Ok((self.iterations, self.residual)) } else { Err(self.errors) }
+        Ok(state)
     }
 
     /// Where the stages have led to.
@@ -464,8 +441,9 @@ where
     }
 
     #[inline(always)]
-    fn advance(
+    fn advance_from(
         &mut self,
+        from: Option<usize>,
         state: &A::State,
         time: A::Scalar,
         control: &A::Control,
@@ -475,30 +453,12 @@ where
         // until both are through
         self.whole = false;
         let mut accumulator = StageAccumulator::new();
-        let middle = accumulator.stage(&mut self.first, None, state, time, control, known)?;
-        let next = accumulator.stage(&mut self.second, None, &middle, time + self.half, control, known)?;
-        self.whole = true;
-        accumulator.end(next)
-    }
-
-    #[inline(always)]
-    fn advance_from(
-        &mut self,
-        stage: usize,
-        state: &A::State,
-        time: A::Scalar,
-        control: &A::Control,
-        known: bool,
-    ) -> Outcome<A::Scalar, A::State> {
-        let known = known && self.whole;
-        self.whole = false;
-        let (mut accumulator, mut at) = (StageAccumulator::new(), *state);
-        let mut from = stage.checked_sub(A::STAGES);
-        if stage < A::STAGES {
-            at = accumulator.stage(&mut self.first, Some(stage), &at, time, control, known)?;
-            from = None;
-        }
-        let next = accumulator.stage(&mut self.second, from, &at, time + self.half, control, known)?;
+        let within = from.and_then(|stage| stage.checked_sub(A::STAGES));
+        let middle = match within {
+            Some(_) => *state,
+            None => accumulator.stage(&mut self.first, from, state, time, control, known)?,
+        };
+        let next = accumulator.stage(&mut self.second, within, &middle, time + self.half, control, known)?;
         self.whole = true;
         accumulator.end(next)
     }
@@ -545,7 +505,7 @@ mod tests {
 
         fn advance_from(
             &mut self,
-            _: usize,
+            _: Option<usize>,
             _: &[f64; 0],
             time: f64,
             &[limit]: &[f64; 1],

@@ -62,10 +62,7 @@ impl<S: Dynamics + ?Sized, A: Observer<S>, B: Observer<S>> Observer<S> for (A, B
 impl<S: Dynamics + ?Sized, O: Observer<S>> Observer<S> for Option<O> {
     #[inline]
     fn observe(&mut self, tick: &Tick<'_, S>) -> ControlFlow<()> {
-        match self {
-            Some(observer) => observer.observe(tick),
-            None => ControlFlow::Continue(()),
-        }
+        self.as_mut().map_or(ControlFlow::Continue(()), |observer| observer.observe(tick))
     }
     #[inline]
     fn next(&self, index: u64) -> u64 {

@@ -247,7 +247,7 @@ where
         let steps = (time - now) / step;
         if !time.is_finite() || !(steps <= MOST) {
             let (step, cause) = (self.stepper.steps_taken() + 1, StepError::OutOfReach { time });
-            return Err(RunError { step, time: now, report: RunReport::default(), cause });
+            return Err(RunError::new(step, now, RunReport::default(), cause));
         }
         self.begin();
         // less than half a step, be it ever so far
@@ -305,8 +305,7 @@ where
                         last = Some((step, control));
                     }
                     Err(cause) => {
-                        let step = self.stepper.steps_taken() + 1;
-                        return Err(RunError { step, time, report: *report, cause });
+                        return Err(RunError::new(self.stepper.steps_taken() + 1, time, *report, cause));
                     }
                 }
                 unseen -= 1;

@@ -50,17 +50,13 @@ pub struct CoefficientSet {
     name: &'static str,
     /// The order of the composition of symmetric steps of order 2.
     order: u32,
-    gamma: &'static [f64],
+    /// The `γᵢ`, one for each step.
+    pub(crate) gamma: &'static [f64],
 }
 
 impl CoefficientSet {
     fn of<C: Coefficients>() -> Self {
         Self { name: type_name::<C>(), order: C::ORDER, gamma: const { checked(C::GAMMA) } }
-    }
-
-    /// The `γᵢ`, one for each step.
-    pub(crate) fn gamma(&self) -> &'static [f64] {
-        self.gamma
     }
 
     /// Those that have a name of their own, with the name of compositions with them.

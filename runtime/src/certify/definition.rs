@@ -6,7 +6,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::frame::Frame;
+use super::frame::{Degenerate, Frame, axis, series};
 use crate::retraction::RetractionKind;
 use crate::scheme::Rule;
 use crate::schemes::Scheme;
@@ -58,19 +58,20 @@ impl<'a> ReferenceStep<'a> {
     /// Takes a step with the member `s` of the [family](crate::scheme::Family).
     fn family(&mut self, map: RetractionKind, s: f64, step: f64) {
         match self.solve(map, s, step) {
-            Some(state) => self.state = state,
-            None => self.lost = true,
+            Ok(state) => self.state = state,
+            Err(Degenerate) => self.lost = true,
         }
         self.time += step;
     }
 
     /// `m⁻ = Ad*_{τ̄(sη)} m`, `ḡ = g τ̄(sη)`, `m⁺ = m⁻ + t (F − ∂h/∂g)`, `m̄ = (1−s) (dR τ_{(1−s)η})* m⁺ + s (dR τ̄_{sη})* m` and
     /// `η = t ∂h/∂m`, over and over.
-    fn solve(&self, map: RetractionKind, s: f64, step: f64) -> Option<Vec<f64>> {
+    fn solve(&self, map: RetractionKind, s: f64, step: f64) -> Result<Vec<f64>, Degenerate> {
         let Self { frame, state, control, .. } = self;
         let time = self.time + s * step;
         let m = frame.linear_part(state);
-        let mut eta = frame.linear_of(&frame.differential(state, time, control)) * step;
+        let system = frame.system;
+        let mut eta = frame.linear_of(&system.differential(state, time, control)) * step;
         let mut mean = state.clone();
         let mut last = f64::INFINITY;
         for _ in 0..ITERATIONS {
@@ -80,29 +81,28 @@ impl<'a> ReferenceStep<'a> {
 
             // of the energy and the forces at the last approximation of the intermediate point
             let there = frame.with_linear_part(&g_bar, &frame.linear_part(&mean));
-            let mut kick = frame.linear_of(&frame.force(&there, time, control));
-            let gradient = frame.configuration_of(&frame.differential(&there, time, control));
-            for (kick, gradient) in kick.iter_mut().zip(gradient.iter()) {
-                *kick -= gradient;
-            }
+            let mut kick = frame.linear_of(&system.force(&there, time, control));
+            let gradient = frame.configuration_of(&system.differential(&there, time, control));
+            let mut of_momenta = kick.rows_mut(0, gradient.len());
+            of_momenta -= gradient;
             let m_plus = before.next + kick * step;
 
             let behind = self.carried(map, Half::Behind, &late, &m_plus)?;
             mean = frame.with_linear_part(&g_bar, &(behind.mean * (1.0 - s) + before.mean * s));
-            let next = frame.linear_of(&frame.differential(&mean, time, control)) * step;
+            let next = frame.linear_of(&system.differential(&mean, time, control)) * step;
             let change =
                 frame.distance(&mean, &there).max((&next - &eta).amax() / next.amax().max(f64::MIN_POSITIVE));
             if !change.is_finite() {
-                return None;
+                return Err(Degenerate);
             }
             // down to roundoff, where it gets no smaller
             if change == 0.0 || (change < 1e-13 && change >= 0.5 * last) {
                 let g_next = self.moved(&g_bar, map, Half::Behind, &late);
-                return Some(frame.with_linear_part(&g_next, &behind.next));
+                return Ok(frame.with_linear_part(&g_next, &behind.next));
             }
             (eta, last) = (next, change);
         }
-        None
+        Err(Degenerate)
     }
 
     /// The state with its configurations moved.
@@ -124,11 +124,11 @@ impl<'a> ReferenceStep<'a> {
         half: Half,
         eta: &DVector<f64>,
         m: &DVector<f64>,
-    ) -> Option<Carried> {
+    ) -> Result<Carried, Degenerate> {
         if map.is_matrix_function() {
             let ad = self.frame.coadjoint(&self.state, eta);
             let mean = self.right_dual(map, eta, &ad, m)?;
-            return Some(Carried { next: m + ad * &mean, mean });
+            return Ok(Carried { next: m + ad * &mean, mean });
         }
         let (mut mean, mut next) = (m.clone(), m.clone());
         for axis in self.axes(half) {
@@ -136,14 +136,14 @@ impl<'a> ReferenceStep<'a> {
             let ad = self.frame.coadjoint(&self.state, &part(eta, axis, eta.len()));
             next += &ad * series(&ad, &next)?;
         }
-        Some(Carried { mean, next })
+        Ok(Carried { mean, next })
     }
 
     /// The axes of the algebra, those of advected parameters at the end, in the order in which they act; in the opposite one before the
     /// intermediate point. Where displacements are by `τ(δ) g`, what stands last in `τ` acts first.
     fn axes(&self, half: Half) -> Vec<usize> {
         let (frame, n) = (self.frame, self.frame.configuration.len());
-        let turn = DVector::from_iterator(n, frame.configuration.iter().map(|&i| 0.5 * frame.scale[i]));
+        let turn = frame.element(|_| 0.5);
         let there = frame.moved(&self.state, RetractionKind::SecondKind, &turn);
         let off = |axes: &mut dyn Iterator<Item = usize>| {
             let one_by_one = axes.fold(self.state.clone(), |state, axis| {
@@ -163,19 +163,20 @@ impl<'a> ReferenceStep<'a> {
         eta: &DVector<f64>,
         ad: &DMatrix<f64>,
         m: &DVector<f64>,
-    ) -> Option<DVector<f64>> {
+    ) -> Result<DVector<f64>, Degenerate> {
         if eta.amax() == 0.0 {
-            return Some(m.clone());
+            return Ok(m.clone());
         }
         match map {
             RetractionKind::Exponential => series(ad, m),
-            RetractionKind::SecondKind => None,
+            RetractionKind::SecondKind => Err(Degenerate),
             // `dR cay_X Y = (1 − X/2)⁻¹ Y (1 + X/2)⁻¹`: on the group as the displacements say, and with advected parameters, where
             // `X = (x, w)` and `Y = (y, u)`, inverted `((dR cay_x)⁻¹ y, (1 − ρ_x/2)(u + ½ ρ_y w))`
             RetractionKind::Cayley => {
                 let (n, all) = (self.frame.configuration.len(), m.len());
                 let back = -eta.rows(0, n).into_owned();
-                let group = self.frame.logarithmic_derivative(&self.state, map, &back)?.try_inverse()?;
+                let group = self.frame.logarithmic_derivative(&self.state, map, &back)?;
+                let group = group.try_inverse().ok_or(Degenerate)?;
                 let spaces = all - n;
                 let bracket = ad.transpose();
                 let damped = DMatrix::identity(spaces, spaces) - bracket.view((n, n), (spaces, spaces)) * 0.5;
@@ -185,30 +186,13 @@ impl<'a> ReferenceStep<'a> {
                 inverse.view_mut((0, 0), (n, n)).copy_from(&group);
                 inverse.view_mut((n, 0), (spaces, n)).copy_from(&(&damped * carried * -0.5));
                 inverse.view_mut((n, n), (spaces, spaces)).copy_from(&damped);
-                inverse.transpose().lu().solve(m)
+                inverse.transpose().lu().solve(m).ok_or(Degenerate)
             }
         }
     }
 }
 
 /// The first `length` components of a vector, of which one alone is kept.
-fn part(of: &DVector<f64>, axis: usize, length: usize) -> DVector<f64> {
-    let mut part = DVector::zeros(length);
-    part[axis] = of[axis];
-    part
-}
-
-/// `φ₁(A) m = Σ A^k m / (k+1)!`
-pub(super) fn series(a: &DMatrix<f64>, m: &DVector<f64>) -> Option<DVector<f64>> {
-    let (mut sum, mut term) = (m.clone(), m.clone());
-    for k in 1..80_u32 {
-        term = a * term / f64::from(k + 1);
-        let done = term.amax() <= 1e-18 * sum.amax();
-        sum += &term;
-        if done {
-            return Some(sum);
-        }
-    }
-    // as for arguments so large that the series has no digits left
-    None
+fn part(of: &DVector<f64>, i: usize, length: usize) -> DVector<f64> {
+    axis(length, i, of[i])
 }

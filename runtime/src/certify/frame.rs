@@ -1,14 +1,29 @@
 //! Local coordinates of a system's states and derivatives in them, from [`Geometry`] alone.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::allocator::Allocator;
+use nalgebra::{DMatrix, DVector, DefaultAllocator, Dim, Dyn, OMatrix};
 
 use crate::erased::Geometry;
 use crate::retraction::RetractionKind;
 use crate::system::{Kind, Quantity, Role};
 
+/// What cannot be measured: there are no local coordinates, a matrix has no inverse, or a series does not converge.
+pub(super) struct Degenerate;
+
 /// The larger of two numbers; not-a-number if one is.
 pub(super) fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || b <= a { a } else { b }
+}
+
+/// The worst of several figures; none if there is nothing to measure in any case.
+pub(super) fn worst<E>(figures: impl Iterator<Item = Result<Option<f64>, E>>) -> Result<Option<f64>, E> {
+    let figures = figures.collect::<Result<Vec<_>, E>>()?;
+    Ok(figures.into_iter().flatten().reduce(larger))
+}
+
+/// An error next to the size of what it is the error of.
+pub(super) fn relative(error: f64, size: f64) -> f64 {
+    if error == 0.0 { 0.0 } else { error / size }
 }
 
 /// The derivative at 0 of a curve, by central differences of order 8.
@@ -32,6 +47,20 @@ pub(super) fn derivative<E>(
 pub(super) fn slope(e: f64, curve: &dyn Fn(f64) -> DVector<f64>) -> DVector<f64> {
     let Ok(slope) = derivative(e, &mut |at| Ok::<_, core::convert::Infallible>(curve(at)));
     slope
+}
+
+/// The matrix of the [derivatives](derivative) of curves, of which there is one for each of these scales.
+pub(super) fn jacobian<E>(
+    scales: impl Iterator<Item = f64>,
+    curve: &mut dyn FnMut(usize, f64) -> Result<DVector<f64>, E>,
+) -> Result<DMatrix<f64>, E> {
+    let column = |(i, scale): (usize, f64)| derivative(1e-2 * scale, &mut |at| curve(i, at));
+    Ok(DMatrix::from_columns(&scales.enumerate().map(column).collect::<Result<Vec<_>, E>>()?))
+}
+
+/// The matrix of so many columns.
+pub(super) fn columns(count: usize, column: impl Fn(usize) -> DVector<f64>) -> DMatrix<f64> {
+    DMatrix::from_columns(&(0..count).map(column).collect::<Vec<_>>())
 }
 
 /// Momentum or an advected parameter: one number of the state, changed by one component of a tangent vector.
@@ -150,9 +179,8 @@ impl<'a> Frame<'a> {
     /// body the momentum about its axis by far less than the others.
     fn gentle(&self, state: &[f64], tangent: usize, size: f64, time: f64, control: &[f64]) -> f64 {
         let change = slope(1e-3 * size, &|at| {
-            let mut by = vec![0.0; self.scale.len()];
-            by[tangent] = at;
-            self.motion(&self.displace(state, RetractionKind::Exponential, &by), time, control)
+            let there = self.displace(state, RetractionKind::Exponential, &self.unit(tangent, at));
+            self.motion(&there, time, control)
         });
         let rates = self.configuration.iter().map(|&i| (change[i] / self.scale[i]).abs());
         let gentle = self.rate / rates.fold(0.0, f64::max);
@@ -176,28 +204,13 @@ impl<'a> Frame<'a> {
         self.system.displace(state, map, by)
     }
 
-    pub(super) fn hamiltonian_vector(&self, state: &[f64], covector: &[f64]) -> DVector<f64> {
-        self.system.hamiltonian_vector(state, covector).into()
-    }
-
-    pub(super) fn differential(&self, state: &[f64], time: f64, control: &[f64]) -> DVector<f64> {
-        self.system.differential(state, time, control).into()
-    }
-
-    pub(super) fn force(&self, state: &[f64], time: f64, control: &[f64]) -> DVector<f64> {
-        self.system.force(state, time, control).into()
-    }
-
     pub(super) fn motion(&self, state: &[f64], time: f64, control: &[f64]) -> DVector<f64> {
-        self.hamiltonian_vector(state, self.differential(state, time, control).as_slice())
-            + self.force(state, time, control)
+        self.system.motion(state, time, control).into()
     }
 
     /// The matrix of the Poisson structure.
     pub(super) fn poisson(&self, state: &[f64]) -> DMatrix<f64> {
-        let n = self.dimension();
-        let columns: Vec<_> = (0..n).map(|j| self.hamiltonian_vector(state, &self.unit(j, 1.0))).collect();
-        DMatrix::from_columns(&columns)
+        columns(self.dimension(), |j| self.system.hamiltonian_vector(state, &self.unit(j, 1.0)).into())
     }
 
     /// A tensor of two tangent vectors with every component in units of its scale.
@@ -228,13 +241,36 @@ impl<'a> Frame<'a> {
     }
 
     /// The linear components of a tangent or a cotangent vector.
-    pub(super) fn linear_of(&self, tangent: &DVector<f64>) -> DVector<f64> {
+    pub(super) fn linear_of(&self, tangent: &[f64]) -> DVector<f64> {
         DVector::from_iterator(self.linear.len(), self.linear.iter().map(|linear| tangent[linear.tangent]))
     }
 
     /// The configurations' components of a tangent or a cotangent vector.
-    pub(super) fn configuration_of(&self, tangent: &DVector<f64>) -> DVector<f64> {
+    pub(super) fn configuration_of(&self, tangent: &[f64]) -> DVector<f64> {
         DVector::from_iterator(self.configuration.len(), self.configuration.iter().map(|&i| tangent[i]))
+    }
+
+    /// An element of the algebra, of each axis as much of its scale as the function says of its number.
+    pub(super) fn element(&self, part: impl Fn(f64) -> f64) -> DVector<f64> {
+        let n = self.configuration.len();
+        DVector::from_fn(n, |k, _| self.scale[self.configuration[k]] * part(k as f64))
+    }
+
+    /// How far `τ(−x) τ(x)` is off the unit.
+    pub(super) fn not_inverse(&self, state: &[f64], map: RetractionKind, x: &DVector<f64>) -> f64 {
+        self.distance(state, &self.moved(&self.moved(state, map, x), map, &-x))
+    }
+
+    /// `dR exp_x`, by differences of displacements, and `φ₁(ad_x)`, from the Poisson structure.
+    pub(super) fn d_right_exponential(
+        &self,
+        state: &[f64],
+        x: &DVector<f64>,
+    ) -> Result<[DMatrix<f64>; 2], Degenerate> {
+        let (n, all) = (x.len(), self.linear.len());
+        let ad = self.coadjoint(state, &x.clone().resize_vertically(all, 0.0));
+        let expected = series(&ad, &DMatrix::identity(all, n))?.rows(0, n).transpose();
+        Ok([self.logarithmic_derivative(state, RetractionKind::Exponential, &-x)?, expected])
     }
 
     /// The state with its configurations displaced.
@@ -276,16 +312,12 @@ impl<'a> Frame<'a> {
 
     /// The derivative of a configuration's stored numbers by its displacement, at the displacement `by`.
     fn basis_at(&self, state: &[f64], map: RetractionKind, by: &DVector<f64>) -> DMatrix<f64> {
-        let columns: Vec<_> = (0..self.configuration.len())
-            .map(|k| {
-                slope(1e-2 * self.scale[self.configuration[k]], &|at| {
-                    let mut there = by.clone();
-                    there[k] += at;
-                    self.stored_part(&self.moved(state, map, &there))
-                })
-            })
-            .collect();
-        DMatrix::from_columns(&columns)
+        let Ok(basis) = jacobian(self.element(|_| 1.0).iter().copied(), &mut |k, at| {
+            let mut there = by.clone();
+            there[k] += at;
+            Ok::<_, core::convert::Infallible>(self.stored_part(&self.moved(state, map, &there)))
+        });
+        basis
     }
 
     fn basis(&self, state: &[f64]) -> DMatrix<f64> {
@@ -293,7 +325,7 @@ impl<'a> Frame<'a> {
     }
 
     /// The tangent vectors at a state that change its stored numbers like this.
-    pub(super) fn local(&self, state: &[f64], changes: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    pub(super) fn local(&self, state: &[f64], changes: &DMatrix<f64>) -> Result<DMatrix<f64>, Degenerate> {
         let rows = DMatrix::from_fn(self.stored.len(), changes.ncols(), |r, c| changes[(self.stored[r], c)]);
         let turned = least_squares(&self.basis(state), &rows)?;
         let mut local = DMatrix::zeros(self.dimension(), changes.ncols());
@@ -303,7 +335,7 @@ impl<'a> Frame<'a> {
         for linear in &self.linear {
             local.row_mut(linear.tangent).copy_from(&changes.row(linear.component));
         }
-        Some(local)
+        Ok(local)
     }
 
     /// The derivative of a displacement in local coordinates of the displaced configuration: `dL τ_δ`, or `dR τ_δ` where the
@@ -313,7 +345,7 @@ impl<'a> Frame<'a> {
         state: &[f64],
         map: RetractionKind,
         by: &DVector<f64>,
-    ) -> Option<DMatrix<f64>> {
+    ) -> Result<DMatrix<f64>, Degenerate> {
         let change = self.basis_at(state, map, by);
         least_squares(&self.basis(&self.moved(state, map, by)), &change)
     }
@@ -325,19 +357,49 @@ impl<'a> Frame<'a> {
         for (linear, eta) in self.linear.iter().zip(eta.iter()) {
             covector[linear.tangent] = *eta;
         }
-        let columns: Vec<_> = (0..self.linear.len())
-            .map(|k| {
-                let mut m = DVector::zeros(self.linear.len());
-                m[k] = 1.0;
-                self.linear_of(&self.hamiltonian_vector(&self.with_linear_part(state, &m), &covector))
-            })
-            .collect();
-        DMatrix::from_columns(&columns)
+        columns(self.linear.len(), |k| {
+            let m = axis(self.linear.len(), k, 1.0);
+            self.linear_of(&self.system.hamiltonian_vector(&self.with_linear_part(state, &m), &covector))
+        })
     }
 }
 
 /// The solution of `a x = b` for more equations than unknowns.
-fn least_squares(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+fn least_squares(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Result<DMatrix<f64>, Degenerate> {
     let qr = a.clone().qr();
-    qr.r().solve_upper_triangular(&(qr.q().transpose() * b))
+    qr.r().solve_upper_triangular(&(qr.q().transpose() * b)).ok_or(Degenerate)
+}
+
+/// A vector with one component of this length, and no other.
+pub(super) fn axis(dimension: usize, i: usize, length: f64) -> DVector<f64> {
+    let mut axis = DVector::zeros(dimension);
+    axis[i] = length;
+    axis
+}
+
+/// `φ₁(A) M = Σ A^k M / (k+1)!`
+pub(super) fn series<C: Dim>(
+    a: &DMatrix<f64>,
+    m: &OMatrix<f64, Dyn, C>,
+) -> Result<OMatrix<f64, Dyn, C>, Degenerate>
+where
+    DefaultAllocator: Allocator<Dyn, C>,
+{
+    let (mut sum, mut term) = (m.clone(), m.clone());
+    for k in 1..80_u32 {
+        term = a * term / f64::from(k + 1);
+        let done = term.amax() <= 1e-18 * sum.amax();
+        sum += &term;
+        if done {
+            return Ok(sum);
+        }
+    }
+    // as for arguments so large that the series has no digits left
+    Err(Degenerate)
+}
+
+/// `exp A = 1 + A φ₁(A)`
+pub(super) fn exponential(a: &DMatrix<f64>) -> Result<DMatrix<f64>, Degenerate> {
+    let one = DMatrix::identity(a.nrows(), a.nrows());
+    Ok(&one + a * series(a, &one)?)
 }

@@ -7,11 +7,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::CertifyError;
-use super::definition::series;
-use super::frame::larger;
-use super::neighbourhood::{
-    Basis, Carried, Degenerate, EvaluateKernel, Neighbourhood, Unknown, combined, exponential, function,
-};
+use super::frame::{Degenerate, exponential, larger, relative, worst};
+use super::neighbourhood::{Basis, Carried, EvaluateKernel, Neighbourhood, Unknown, combined, function};
 use super::report::{Bound, Certificate, Report};
 use crate::erased::array;
 use crate::retraction::RetractionKind;
@@ -150,9 +147,7 @@ fn certificates(about: &Neighbourhood<'_>) -> Vec<Certificate> {
     for (map, name) in maps {
         if about.has(map) {
             certificates.extend(laws.iter().map(|(of, bound, measure)| {
-                let figures: Result<Vec<_>, Degenerate> =
-                    about.points.iter().map(|x| measure(about, map, x)).collect();
-                let worst = figures.map(|figures| figures.into_iter().flatten().reduce(larger));
+                let worst = worst(about.points.iter().map(|x| measure(about, map, x)));
                 law(&format!("{name}: {of}"), *bound, worst)
             }));
         }
@@ -184,10 +179,10 @@ impl Neighbourhood<'_> {
 
     /// `E_i E_j − E_j E_i` is `[e_i, e_j]`, where elements are matrices.
     fn commutators(&self) -> Result<Option<f64>, Degenerate> {
-        let mut worst = None;
+        let mut errors = Vec::new();
         for stored in self.matrices() {
             let Basis { basis, sign, off } = self.basis(&stored)?;
-            worst = Some(larger(worst.unwrap_or(0.0), off));
+            errors.push(off);
             for i in 0..basis.len() {
                 for j in 0..i {
                     let product = &basis[i] * &basis[j];
@@ -197,25 +192,23 @@ impl Neighbourhood<'_> {
                         &self.zero_padded(&self.axis(j, 1.0)),
                     );
                     let error = (commutator - combined(&basis, &bracket)).amax();
-                    worst = Some(larger(worst.unwrap_or(0.0), error / product.amax().max(1.0)));
+                    errors.push(error / product.amax().max(1.0));
                 }
             }
         }
-        Ok(worst)
+        Ok(errors.into_iter().reduce(larger))
     }
 
     /// `g τ(x)` of a kernel is that of displacements, and `g f(X)` where elements are matrices. In coordinates of the second kind it is that of the
     /// exponential along one axis after the other.
     fn definition(&self, map: RetractionKind, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
         let there = self.frame.moved(&self.state, map, x);
-        let mut worst = match self.unknown(map, x)? {
-            Some(Unknown::Of { unknown, .. }) => {
-                let next = self.value(map, &self.state, &unknown)?.next;
-                let next = self.frame.with_linear_part(&next, &self.frame.linear_part(&there));
-                Some(self.frame.distance(&next, &there))
-            }
-            _ => None,
-        };
+        let mut errors = Vec::new();
+        if let Some(Unknown::Of { unknown, .. }) = self.unknown(map, x)? {
+            let next = self.value(map, &self.state, &unknown)?.next;
+            let next = self.frame.with_linear_part(&next, &self.frame.linear_part(&there));
+            errors.push(self.frame.distance(&next, &there));
+        }
         if !map.is_matrix_function() {
             let along = |state: Vec<f64>, i: usize| {
                 self.frame.moved(&state, RetractionKind::Exponential, &self.axis(i, x[i]))
@@ -224,16 +217,16 @@ impl Neighbourhood<'_> {
             // what stands last in `τ` acts first where the group acts from the other side
             let [first, last] = [first.fold(self.state.clone(), along), last.fold(self.state.clone(), along)]
                 .map(|axes| self.frame.distance(&axes, &there));
-            return Ok(Some(larger(worst.unwrap_or(0.0), first.min(last))));
+            errors.push(first.min(last));
+            return Ok(errors.into_iter().reduce(larger));
         }
         for stored in self.matrices() {
             let Basis { basis, sign, .. } = self.basis(&stored)?;
             let (g, f) = (stored.matrix(&self.state), function(map, &combined(&basis, x))?);
             let expected = if sign > 0.0 { g * f } else { f * g };
-            let error = (stored.matrix(&there) - &expected).amax() / expected.amax();
-            worst = Some(larger(worst.unwrap_or(0.0), error));
+            errors.push((stored.matrix(&there) - &expected).amax() / expected.amax());
         }
-        Ok(worst)
+        Ok(errors.into_iter().reduce(larger))
     }
 
     fn on_the_group(&self, map: RetractionKind, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
@@ -245,8 +238,7 @@ impl Neighbourhood<'_> {
         if !map.is_matrix_function() {
             return Ok(None);
         }
-        let there = self.frame.moved(&self.state, map, x);
-        Ok(Some(self.frame.distance(&self.state, &self.frame.moved(&there, map, &-x))))
+        Ok(Some(self.frame.not_inverse(&self.state, map, x)))
     }
 
     /// `dR exp_x = φ₁(ad_x)`
@@ -254,12 +246,8 @@ impl Neighbourhood<'_> {
         if map != RetractionKind::Exponential {
             return Ok(None);
         }
-        let n = self.dimension();
-        let ad = self.frame.coadjoint(&self.state, &self.zero_padded(x));
-        let column = |k: usize| series(&ad, &self.zero_padded(&self.axis(k, 1.0))).ok_or(Degenerate);
-        let columns: Vec<_> = (0..n).map(column).collect::<Result<_, Degenerate>>()?;
-        let expected = DMatrix::from_columns(&columns).rows(0, n).transpose();
-        Ok(Some(relative((self.d_right(map, x)? - &expected).amax(), expected.amax())))
+        let [measured, expected] = self.frame.d_right_exponential(&self.state, x)?;
+        Ok(Some(relative((measured - &expected).amax(), expected.amax())))
     }
 
     /// `(dR τ_x)* m` of a kernel is that of the differences of displacements.
@@ -275,7 +263,7 @@ impl Neighbourhood<'_> {
     fn adjoint_action(&self, map: RetractionKind, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
         let n = self.dimension();
         let ad = self.frame.coadjoint(&self.state, &self.zero_padded(&self.logarithm(map, x)?)).transpose();
-        let expected = exponential(&ad.view((0, 0), (n, n)).into_owned());
+        let expected = exponential(&ad.view((0, 0), (n, n)).into_owned())?;
         Ok(Some(relative((self.adjoint(map, x)? - &expected).amax(), expected.amax())))
     }
 
@@ -303,7 +291,7 @@ impl Neighbourhood<'_> {
         }
         let next = self.value(map, &self.state, &unknown)?.next;
         let ad = self.frame.coadjoint(&self.state, &self.zero_padded(&self.logarithm(map, x)?));
-        let carry = exponential(&ad.view((n, n), (all - n, all - n)).into_owned());
+        let carry = exponential(&ad.view((n, n), (all - n, all - n)).into_owned())?;
         let advected = |state: &[f64]| self.frame.linear_part(state).rows(n, all - n).into_owned();
         let expected = carry * advected(&self.state);
         Ok(Some(relative((advected(&next) - &expected).amax(), expected.amax())))
@@ -322,9 +310,4 @@ impl Neighbourhood<'_> {
         let change = |(before, after): (&f64, &f64)| (before - after).abs() / (1.0 + before.abs());
         Ok(before.iter().zip(&after).map(change).reduce(larger))
     }
-}
-
-/// An error next to the size of what it is the error of.
-fn relative(error: f64, size: f64) -> f64 {
-    if error == 0.0 { 0.0 } else { error / size }
 }

@@ -3,16 +3,16 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::CertifyError;
-use super::definition::{ReferenceStep, series};
-use super::frame::{Frame, derivative, larger, slope};
+use super::definition::ReferenceStep;
+use super::frame::{Degenerate, Frame, derivative, jacobian, larger, relative, slope, worst};
 use super::probe::KernelPart;
 use super::report::{Bound, Certificate, Report};
-use crate::erased::{At, Description, Geometry, Method, NotGenerated, check_length, length, of_only_lane};
+use crate::erased::{At, Description, Geometry, Method, NotGenerated, check};
 use crate::error::{ParameterError, StepError};
 use crate::method::Clock;
 use crate::retraction::RetractionKind;
 use crate::schemes::{ConservedCasimirs, Properties, Scheme};
-use crate::stepper::{check_state, check_step};
+use crate::stepper::check_step;
 
 /// Part of a radian, or of what else the motion takes, that a step covers unless another is asked for.
 pub(super) const STEP: f64 = 0.1;
@@ -30,6 +30,12 @@ pub(super) enum MeasureError {
     NotGenerated(NotGenerated),
     Step(StepError),
     Degenerate,
+}
+
+impl From<Degenerate> for MeasureError {
+    fn from(_: Degenerate) -> Self {
+        Self::Degenerate
+    }
 }
 
 /// Steps under the claims of a scheme, as values: the measurements are compiled once for all systems and schemes.
@@ -82,9 +88,7 @@ pub(super) fn certificates(subject: &Subject<'_>, scheme: &Claimed<'_>) -> Resul
     let mut samples = Vec::new();
     for (index, state) in states.iter().enumerate() {
         let control = held.next().unwrap_or(&none);
-        check_length(state, length(description.state))
-            .and_then(|()| check_state(state, system.deviation(state)))
-            .map_err(|error| named("sample", index, MeasureError::Step(error)))?;
+        check(*system, state).map_err(|error| named("sample", index, MeasureError::Step(error)))?;
         let frame = Frame::new(*system, state, control, *time)
             .ok_or(CertifyError::Structure { system: description.name })?;
         let step = step.unwrap_or(if frame.rate > 0.0 { STEP / frame.rate } else { STEP });
@@ -224,7 +228,7 @@ impl Sample<'_> {
         for taken in 0..count as u64 {
             let now = Clock { start: time, step, taken }.after(0);
             let outcome = method.advance(&state, &mut next, now, self.control, taken > 0);
-            outcome.map_err(|errors| MeasureError::Step(of_only_lane(errors)))?;
+            outcome.map_err(|failure| MeasureError::Step(failure.first()))?;
             core::mem::swap(&mut state, &mut next);
             seen(&state);
         }
@@ -288,33 +292,25 @@ impl Sample<'_> {
 
     /// The derivative by the step's size at 0.
     fn consistency(&self) -> Figure {
-        let change =
-            derivative(0.1 * self.step.abs(), &mut |step| Ok(self.one(step, self.time, self.state)?.into()))?;
-        let change = DMatrix::from_columns(&[change]);
-        let change = self.frame.local(self.state, &change).ok_or(MeasureError::Degenerate)?;
+        let change = derivative(0.1 * self.step.abs(), &mut |step| {
+            self.one(step, self.time, self.state).map(DVector::from)
+        })?;
+        let change = self.frame.local(self.state, &DMatrix::from_columns(&[change]))?;
         let motion = self.frame.motion(self.state, self.time, self.control);
-        let scaled = |i: usize, x: f64| (x / self.frame.scale[i]).abs();
-        let size = motion.iter().enumerate().fold(0.0, |size, (i, x)| larger(size, scaled(i, *x)));
-        let error =
-            (0..motion.len()).fold(0.0, |error, i| larger(error, scaled(i, change[(i, 0)] - motion[i])));
-        Ok(Some(if error == 0.0 { 0.0 } else { error / size }))
+        let scale = DVector::from_column_slice(&self.frame.scale);
+        let size = |vector: &DVector<f64>| largest(vector.component_div(&scale).as_slice());
+        Ok(Some(relative(size(&(change.column(0) - &motion)), size(&motion))))
     }
 
     /// The derivative of a step in local coordinates, and where it leads.
     fn linearized(&self) -> Result<(DMatrix<f64>, Vec<f64>), MeasureError> {
         let frame = &self.frame;
         let end = self.one(self.step, self.time, self.state)?;
-        let columns: Result<Vec<_>, _> = (0..frame.dimension())
-            .map(|i| {
-                derivative(1e-2 * frame.scale[i], &mut |at| {
-                    let there = frame.displace(self.state, RetractionKind::Exponential, &frame.unit(i, at));
-                    Ok(self.one(self.step, self.time, &there)?.into())
-                })
-            })
-            .collect();
-        let derivative =
-            frame.local(&end, &DMatrix::from_columns(&columns?)).ok_or(MeasureError::Degenerate)?;
-        Ok((derivative, end))
+        let changes = jacobian(frame.scale.iter().copied(), &mut |i, at| {
+            let there = frame.displace(self.state, RetractionKind::Exponential, &frame.unit(i, at));
+            self.one(self.step, self.time, &there).map(DVector::from)
+        })?;
+        Ok((frame.local(&end, &changes)?, end))
     }
 
     fn poisson_map(&self) -> Figure {
@@ -322,7 +318,7 @@ impl Sample<'_> {
         let carried = &derivative * self.frame.poisson(self.state) * derivative.transpose();
         let expected = self.frame.poisson(&end);
         let size = self.frame.scaled(&expected).amax();
-        Ok(Some(largest(&self.frame.scaled(&(carried - expected))) / size))
+        Ok(Some(largest(self.frame.scaled(&(carried - expected)).as_slice()) / size))
     }
 
     /// Whether a Casimir is a function of advected parameters alone.
@@ -352,7 +348,7 @@ impl Sample<'_> {
         self.run(self.step, self.long(), &mut |state| {
             drift = larger(drift, (self.casimir(index, state) - start).abs());
         })?;
-        Ok(Some(if drift == 0.0 { 0.0 } else { drift / size }))
+        Ok(Some(relative(drift, size)))
     }
 
     /// The energies along a run.
@@ -366,7 +362,7 @@ impl Sample<'_> {
 
     /// What errors of the energy count relative to.
     fn energy_size(&self) -> f64 {
-        let differential = self.frame.differential(self.state, self.time, self.control);
+        let differential = self.system.differential(self.state, self.time, self.control);
         let parts = differential.iter().zip(&self.frame.scale).map(|(x, scale)| (x * scale).abs());
         parts.fold(f64::MIN_POSITIVE, f64::max)
     }
@@ -407,16 +403,14 @@ impl Sample<'_> {
 
     /// Steps, and as many back that start when the last one ends: one, and some with one stepper there and one back.
     fn reversibility(&self) -> Figure {
-        let mut worst = 0.0;
-        for count in [1, RETURN] {
+        worst([1, RETURN].into_iter().map(|count| {
             let mut there = Vec::new();
             self.run(self.step, count, &mut |state| there = state.to_vec())?;
             let mut back = Vec::new();
             let end = self.time + count as f64 * self.step;
             self.steps((-self.step, count), end, &there, &mut |state| back = state.to_vec())?;
-            worst = larger(worst, self.frame.distance(self.state, &back));
-        }
-        Ok(Some(worst))
+            Ok(Some(self.frame.distance(self.state, &back)))
+        }))
     }
 
     fn correction(&self) -> Figure {
@@ -444,7 +438,7 @@ impl Sample<'_> {
 
     fn differential(&self) -> Figure {
         let frame = &self.frame;
-        let differential = frame.differential(self.state, self.time, self.control);
+        let differential = self.system.differential(self.state, self.time, self.control);
         let mut error = 0.0;
         for (i, scale) in frame.scale.iter().enumerate() {
             for map in RetractionKind::ALL {
@@ -462,7 +456,7 @@ impl Sample<'_> {
 
     fn antisymmetry(&self) -> Figure {
         let tensor = self.frame.scaled(&self.frame.poisson(self.state));
-        Ok(Some(largest(&(&tensor + tensor.transpose())) / tensor.amax()))
+        Ok(Some(largest((&tensor + tensor.transpose()).as_slice()) / tensor.amax()))
     }
 
     /// `Σ_l P^{il} ∂_l P^{jk}` and the other two of the cycle, in the coordinates that displacements are.
@@ -472,34 +466,29 @@ impl Sample<'_> {
         // a tangent vector in these coordinates is another one at the displaced state, of which only the configuration's part differs
         let in_coordinates = |by: &[f64]| {
             let there = frame.displace(self.state, RetractionKind::Exponential, by);
-            let turn = frame.configuration_of(&DVector::from_column_slice(by));
+            let turn = frame.configuration_of(by);
             let small = frame
                 .logarithmic_derivative(self.state, RetractionKind::Exponential, &turn)?
-                .try_inverse()?;
+                .try_inverse()
+                .ok_or(Degenerate)?;
             let mut inverse = DMatrix::identity(n, n);
             for (r, &i) in frame.configuration.iter().enumerate() {
                 for (c, &j) in frame.configuration.iter().enumerate() {
                     inverse[(i, j)] = small[(r, c)];
                 }
             }
-            Some(frame.scaled(&(&inverse * frame.poisson(&there) * inverse.transpose())))
+            Ok::<_, Degenerate>(frame.scaled(&(&inverse * frame.poisson(&there) * inverse.transpose())))
         };
         let tensor = frame.scaled(&frame.poisson(self.state));
-        let mut changes = Vec::new();
-        for l in 0..n {
-            let column = derivative(1e-2, &mut |at| {
-                let there =
-                    in_coordinates(&frame.unit(l, at * frame.scale[l])).ok_or(MeasureError::Degenerate)?;
-                Ok(DVector::from_column_slice(there.as_slice()))
-            })?;
-            changes.push(DMatrix::from_column_slice(n, n, column.as_slice()));
-        }
-        let along = |i: usize, j: usize, k: usize| -> f64 {
-            (0..n).map(|l| tensor[(i, l)] * changes[l][(j, k)]).sum()
-        };
+        // each a column
+        let changes = jacobian((0..n).map(|_| 1.0), &mut |l, at| {
+            in_coordinates(&frame.unit(l, at * frame.scale[l]))
+                .map(|there| DVector::from_column_slice(there.as_slice()))
+        })?;
+        let along = |i: usize, j: usize, k: usize| tensor.row(i).dot(&changes.row(j + n * k));
         // a constant tensor changes by rounding alone
         let least = tensor.amax().max(f64::MIN_POSITIVE);
-        let size = least * changes.iter().fold(least, |size, change| size.max(change.amax()));
+        let size = least * least.max(changes.amax());
         let mut error = 0.0;
         for i in 0..n {
             for j in 0..i {
@@ -513,51 +502,29 @@ impl Sample<'_> {
 
     /// A displacement of the size of a radian.
     fn turn(&self) -> DVector<f64> {
-        let scales = self.frame.configuration.iter().enumerate();
-        DVector::from_iterator(
-            self.frame.configuration.len(),
-            scales.map(|(k, &i)| 0.5 * self.frame.scale[i] * (2.0 * k as f64 + 1.0).sin()),
-        )
+        self.frame.element(|k| 0.5 * (2.0 * k + 1.0).sin())
     }
 
     /// `(dR exp_x)* = φ₁(ad*_x)`: displacements and Poisson structure are of one group.
     fn exponential(&self) -> Figure {
-        let frame = &self.frame;
-        let turn = self.turn();
-        let n = turn.len();
-        let measured = frame
-            .logarithmic_derivative(self.state, RetractionKind::Exponential, &-&turn)
-            .ok_or(MeasureError::Degenerate)?;
-        let eta = turn.resize_vertically(frame.linear.len(), 0.0);
-        let ad = frame.coadjoint(self.state, &eta);
-        let mut error = 0.0;
-        for k in 0..n {
-            let mut m = DVector::zeros(frame.linear.len());
-            m[k] = 1.0;
-            let expected = series(&ad, &m).ok_or(MeasureError::Degenerate)?;
-            for i in 0..n {
-                let [row, column] = [k, i].map(|k| frame.scale[frame.configuration[k]]);
-                error = larger(error, (measured[(k, i)] - expected[i]).abs() * column / row);
-            }
-        }
-        Ok(Some(error))
+        let [measured, expected] = self.frame.d_right_exponential(self.state, &self.turn())?;
+        let scale = self.frame.element(|_| 1.0);
+        let error = DMatrix::from_fn(scale.len(), scale.len(), |i, j| {
+            (measured[(i, j)] - expected[(i, j)]) * scale[j] / scale[i]
+        });
+        Ok(Some(largest(error.as_slice())))
     }
 
     /// `τ(−ξ) = τ(ξ)⁻¹` of those that are odd
     fn inverse(&self) -> Figure {
-        let turn = self.turn();
         let odd = RetractionKind::ALL.into_iter().filter(|map| map.is_matrix_function());
-        let error = odd.map(|map| {
-            let there = self.frame.moved(self.state, map, &turn);
-            self.frame.distance(self.state, &self.frame.moved(&there, map, &-&turn))
-        });
-        Ok(Some(error.fold(0.0, larger)))
+        Ok(odd.map(|map| self.frame.not_inverse(self.state, map, &self.turn())).reduce(larger))
     }
 }
 
-/// The largest entry; not-a-number if one is.
-fn largest(matrix: &DMatrix<f64>) -> f64 {
-    matrix.iter().fold(0.0, |size, x| larger(size, x.abs()))
+/// The largest magnitude; not-a-number if one is.
+fn largest(numbers: &[f64]) -> f64 {
+    numbers.iter().fold(0.0, |size, x| larger(size, x.abs()))
 }
 
 fn range(values: &[f64]) -> f64 {

@@ -1,19 +1,15 @@
 //! Elements of a group about one of them: what its [laws](super::laws) are measured with.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Dyn};
 
 use super::CertifyError;
-use super::frame::{Frame, derivative, larger, slope};
-use crate::erased::{array, check_length, length};
+use super::frame::{Degenerate, Frame, axis, exponential, jacobian, larger};
+use crate::erased::{array, check};
 use crate::kernel::Kernel;
 use crate::retraction::RetractionKind;
 use crate::scalar::Components;
 use crate::scheme::Base;
-use crate::stepper::check_state;
 use crate::system::{Generated, Kind, Quantity, Role, System, Visitor};
-
-/// What cannot be measured: there are no local coordinates, a matrix has no inverse, or a series does not converge.
-pub(super) struct Degenerate;
 
 /// A vector that follows from a state.
 type OfState<'a> = &'a dyn Fn(&[f64]) -> Result<DVector<f64>, Degenerate>;
@@ -86,9 +82,11 @@ impl<'a> Neighbourhood<'a> {
         kernels: Kernels<'a>,
     ) -> Result<Self, CertifyError> {
         let description = system.description();
-        check_length(state, length(description.state))
-            .and_then(|()| check_state(state, system.deviation(state)))
-            .map_err(|source| CertifyError::Step { certificate: "state".to_owned(), state: 0, source })?;
+        check(system, state).map_err(|source| CertifyError::Step {
+            certificate: "state".to_owned(),
+            state: 0,
+            source,
+        })?;
         let frame = Frame::new(system, state, control, 0.0)
             .ok_or(CertifyError::Structure { system: description.name })?;
         let (state, is_invariant) = (state.to_vec(), description.invariant);
@@ -118,8 +116,6 @@ impl<'a> Neighbourhood<'a> {
 
     /// Two elements of the algebra of about half a radian, or smaller ones where a retraction would be singular.
     fn elements(&self) -> Vec<DVector<f64>> {
-        let scales = || self.frame.configuration.iter().map(|&i| self.frame.scale[i]).enumerate();
-        let n = self.dimension();
         let is_inside = |x: &DVector<f64>| {
             RetractionKind::ALL
                 .into_iter()
@@ -134,9 +130,9 @@ impl<'a> Neighbourhood<'a> {
             }
             x
         };
-        let one = scales().map(|(i, scale)| 0.5 * scale * (2.0 * i as f64 + 1.0).sin());
-        let other = scales().map(|(i, scale)| 0.4 * scale * (3.0 * i as f64 + 2.0).cos());
-        vec![small(DVector::from_iterator(n, one)), small(DVector::from_iterator(n, other))]
+        let one = self.frame.element(|i| 0.5 * (2.0 * i + 1.0).sin());
+        let other = self.frame.element(|i| 0.4 * (3.0 * i + 2.0).cos());
+        vec![small(one), small(other)]
     }
 
     /// Elements of the algebra with the spaces beside it, in general position.
@@ -164,13 +160,13 @@ impl<'a> Neighbourhood<'a> {
     pub(super) fn basis(&self, stored: &Stored) -> Result<Basis, Degenerate> {
         let at = |state: &[f64]| -> Result<[Vec<DMatrix<f64>>; 2], Degenerate> {
             let inverse = stored.matrix(state).try_inverse().ok_or(Degenerate)?;
-            let changes = (0..self.dimension()).map(|i| {
-                let change = slope(self.small(i), &|t| {
-                    let there = self.frame.moved(state, RetractionKind::Exponential, &self.axis(i, t));
-                    DVector::from_column_slice(stored.matrix(&there).as_slice())
-                });
-                DMatrix::from_column_slice(stored.rows, stored.rows, change.as_slice())
-            });
+            let changes = jacobian(self.scales(), &mut |i, t| {
+                let there = self.frame.moved(state, RetractionKind::Exponential, &self.axis(i, t));
+                Ok(DVector::from_column_slice(stored.matrix(&there).as_slice()))
+            })?;
+            let changes = changes
+                .column_iter()
+                .map(|change| change.into_owned().reshape_generic(Dyn(stored.rows), Dyn(stored.rows)));
             let (left, right) = changes.map(|change| (&inverse * &change, change * &inverse)).unzip();
             Ok([left, right])
         };
@@ -187,16 +183,14 @@ impl<'a> Neighbourhood<'a> {
         })
     }
 
-    /// How far differences go along an axis of the algebra.
-    fn small(&self, i: usize) -> f64 {
-        1e-2 * self.frame.scale[self.frame.configuration[i]]
+    /// The scales of the algebra's axes.
+    fn scales(&self) -> impl Iterator<Item = f64> + '_ {
+        self.frame.configuration.iter().map(|&i| self.frame.scale[i])
     }
 
     /// A multiple of an axis of the algebra.
     pub(super) fn axis(&self, i: usize, length: f64) -> DVector<f64> {
-        let mut axis = DVector::zeros(self.dimension());
-        axis[i] = length;
-        axis
+        axis(self.dimension(), i, length)
     }
 
     /// An element of the algebra, with nothing of the spaces beside it.
@@ -206,8 +200,7 @@ impl<'a> Neighbourhood<'a> {
 
     /// `dR τ_x`, by differences: `dL τ_{−x}` of what is odd, else `Ad_{τ(x)} dL τ_x`.
     pub(super) fn d_right(&self, map: RetractionKind, x: &DVector<f64>) -> Result<DMatrix<f64>, Degenerate> {
-        let d_left =
-            |x: &DVector<f64>| self.frame.logarithmic_derivative(&self.state, map, x).ok_or(Degenerate);
+        let d_left = |x: &DVector<f64>| self.frame.logarithmic_derivative(&self.state, map, x);
         if map.is_matrix_function() { d_left(&-x) } else { Ok(self.adjoint(map, x)? * d_left(x)?) }
     }
 
@@ -219,20 +212,16 @@ impl<'a> Neighbourhood<'a> {
             true => (map, x.clone()),
             false => (RetractionKind::Exponential, self.logarithm(map, x)?),
         };
-        let column = |i: usize| {
-            slope(self.small(i), &|t| {
-                let beside = self.frame.moved(&there, RetractionKind::Exponential, &self.axis(i, t));
-                self.frame.moved(&beside, odd, &-&x).into()
-            })
-        };
-        let columns: Vec<_> = (0..self.dimension()).map(column).collect();
-        self.in_the_algebra(&self.state, &columns)
+        let changes = jacobian(self.scales(), &mut |i, t| {
+            let beside = self.frame.moved(&there, RetractionKind::Exponential, &self.axis(i, t));
+            Ok::<_, Degenerate>(self.frame.moved(&beside, odd, &-&x).into())
+        })?;
+        self.in_the_algebra(&self.state, &changes)
     }
 
     /// The elements of the algebra that change a state's numbers like these.
-    fn in_the_algebra(&self, state: &[f64], changes: &[DVector<f64>]) -> Result<DMatrix<f64>, Degenerate> {
-        let local = self.frame.local(state, &DMatrix::from_columns(changes)).ok_or(Degenerate)?;
-        Ok(local.select_rows(&self.frame.configuration))
+    fn in_the_algebra(&self, state: &[f64], changes: &DMatrix<f64>) -> Result<DMatrix<f64>, Degenerate> {
+        Ok(self.frame.local(state, changes)?.select_rows(&self.frame.configuration))
     }
 
     /// `z` with `exp z = τ(x)`.
@@ -253,8 +242,8 @@ impl<'a> Neighbourhood<'a> {
         for _ in 0..10 {
             let here = self.frame.moved(&self.state, map, &x);
             let off = &target - DVector::from_column_slice(&here);
-            let direction = self.in_the_algebra(&here, &[off])?;
-            let derivative = self.frame.logarithmic_derivative(&self.state, map, &x).ok_or(Degenerate)?;
+            let direction = self.in_the_algebra(&here, &DMatrix::from_columns(&[off]))?;
+            let derivative = self.frame.logarithmic_derivative(&self.state, map, &x)?;
             x += (derivative.try_inverse().ok_or(Degenerate)? * direction).column(0);
         }
         Ok(x)
@@ -273,14 +262,11 @@ impl<'a> Neighbourhood<'a> {
         if here.right.len() != x.len() {
             return Ok(None);
         }
-        let column = |i: usize| {
-            derivative(self.small(i), &mut |t| {
-                Ok(self.value(map, &self.state, &self.axis(i, t))?.next.into())
-            })
-        };
-        let columns: Vec<_> = (0..x.len()).map(column).collect::<Result<_, Degenerate>>()?;
+        let changes = jacobian(self.scales(), &mut |i, t| {
+            self.value(map, &self.state, &self.axis(i, t)).map(|value| value.next.into())
+        })?;
         // whole numbers, but for the digits that differences leave
-        let factor = self.in_the_algebra(&self.state, &columns)?.map(f64::round);
+        let factor = self.in_the_algebra(&self.state, &changes)?.map(f64::round);
         let unknown = factor.clone().try_inverse().ok_or(Degenerate)? * x;
         Ok(Some(Unknown::Of { factor, unknown }))
     }
@@ -357,22 +343,11 @@ pub(super) fn combined(basis: &[DMatrix<f64>], x: &DVector<f64>) -> DMatrix<f64>
     basis.iter().zip(x.iter()).fold(zero, |sum, (e, x)| sum + e * *x)
 }
 
-/// `exp X` as a series.
-pub(super) fn exponential(x: &DMatrix<f64>) -> DMatrix<f64> {
-    let one = DMatrix::identity(x.nrows(), x.nrows());
-    let (mut sum, mut term) = (one.clone(), one);
-    for k in 1..80_u32 {
-        term = &term * x / f64::from(k);
-        sum += &term;
-    }
-    sum
-}
-
 /// `exp X`, or `(1 − X/2)⁻¹(1 + X/2)`.
 pub(super) fn function(map: RetractionKind, x: &DMatrix<f64>) -> Result<DMatrix<f64>, Degenerate> {
     let one = DMatrix::identity(x.nrows(), x.nrows());
     match map {
-        RetractionKind::Exponential => Ok(exponential(x)),
+        RetractionKind::Exponential => exponential(x),
         RetractionKind::Cayley => (&one - x * 0.5).lu().solve(&(&one + x * 0.5)).ok_or(Degenerate),
         RetractionKind::SecondKind => Err(Degenerate),
     }

@@ -1,8 +1,8 @@
 //! A step's kernels, looked at one after the other: their Newton corrections, or the step itself in twice the digits.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
-use super::frame::{derivative, larger};
+use super::frame::{jacobian, larger};
 use super::measure::Claimed;
 use crate::erased::{At, Equation, Solved, Trial, equation};
 use crate::schemes::Scheme;
@@ -132,24 +132,16 @@ fn compare_at(equation: &dyn Equation, origin: &[f64], scales: &[f64], part: f64
     let unknown: Vec<f64> =
         displaced.map(|(i, (x, scale))| x + 0.1 * part * scale * (1.0 + i as f64).sin()).collect();
     let here = residual(equation, &unknown)?;
-    let columns: Option<Vec<_>> = scales
-        .iter()
-        .enumerate()
-        .map(|(i, scale)| {
-            // in units in which all corrections are alike
-            derivative(1e-2 * part * scale, &mut |at| {
-                let mut there = unknown.clone();
-                there[i] += at;
-                residual(equation, &there).ok_or(())
-            })
-            .ok()
-            .map(|column| column * *scale)
-        })
-        .collect();
+    // in units in which all corrections are alike
+    let jacobian = jacobian(scales.iter().map(|_| part), &mut |i, at| {
+        let mut there = unknown.clone();
+        there[i] += at * scales[i];
+        residual(equation, &there).ok_or(())
+    });
     let [_, correction] = equation.correction(&unknown, None);
     let correction = correction.iter().zip(scales).map(|(correction, scale)| correction / scale);
     let correction = DVector::from_iterator(scales.len(), correction);
-    Some(match DMatrix::from_columns(&columns?).lu().solve(&here) {
+    Some(match jacobian.ok()?.lu().solve(&here) {
         Some(expected) => (correction - &expected).norm() / expected.norm().max(f64::MIN_POSITIVE),
         None => f64::NAN,
     })

@@ -116,41 +116,37 @@ impl fmt::Display for Verdict {
     }
 }
 
+/// What fits beside the figures in 80 columns.
+const WIDEST: usize = 44;
+
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match (&self.scheme, self.step) {
             (Some(scheme), Some(step)) => writeln!(f, "{}, {scheme}, step {step:.3e}", self.system)?,
             _ => writeln!(f, "{}, its group", self.system)?,
         }
-        table(f, &self.certificates)
+        let width = self.certificates.iter().map(|c| c.name.chars().count()).max().unwrap_or_default();
+        let width = width.min(WIDEST);
+        write!(f, "{:width$}  {:>9}  {:>9}  verdict", "certificate", "figure", "bound")?;
+        for Certificate { name, figure, bound, verdict, .. } in &self.certificates {
+            // orders are numbers of the size of 1, all others small ones
+            let number = |x: f64| match x {
+                x if x.is_nan() && *verdict == Verdict::NotMeasured => "—".to_owned(),
+                x if x == 0.0 || (0.1..100.0).contains(&x.abs()) => format!("{x:.2}"),
+                x => format!("{x:.1e}"),
+            };
+            let bound = match bound {
+                Some(Bound::AtMost(bound)) => format!("≤ {}", number(*bound)),
+                Some(Bound::AtLeast(bound)) => format!("≥ {}", number(*bound)),
+                None => String::new(),
+            };
+            // the Casimirs of some groups are polynomials of a hundred terms
+            let name = match name.chars().count() > WIDEST {
+                true => name.chars().take(WIDEST - 1).chain(['…']).collect(),
+                false => name.clone(),
+            };
+            write!(f, "\n{name:width$}  {:>9}  {bound:>9}  {verdict}", number(*figure))?;
+        }
+        Ok(())
     }
-}
-
-/// Certificates as a table.
-fn table(f: &mut fmt::Formatter<'_>, certificates: &[Certificate]) -> fmt::Result {
-    /// What fits beside the figures in 80 columns.
-    const WIDEST: usize = 44;
-    let width = certificates.iter().map(|c| c.name.chars().count()).max().unwrap_or_default();
-    let width = width.min(WIDEST);
-    write!(f, "{:width$}  {:>9}  {:>9}  verdict", "certificate", "figure", "bound")?;
-    for Certificate { name, figure, bound, verdict, .. } in certificates {
-        // orders are numbers of the size of 1, all others small ones
-        let number = |x: f64| match x {
-            x if x.is_nan() && *verdict == Verdict::NotMeasured => "—".to_owned(),
-            x if x == 0.0 || (0.1..100.0).contains(&x.abs()) => format!("{x:.2}"),
-            x => format!("{x:.1e}"),
-        };
-        let bound = match bound {
-            Some(Bound::AtMost(bound)) => format!("≤ {}", number(*bound)),
-            Some(Bound::AtLeast(bound)) => format!("≥ {}", number(*bound)),
-            None => String::new(),
-        };
-        // the Casimirs of some groups are polynomials of a hundred terms
-        let name = match name.chars().count() > WIDEST {
-            true => name.chars().take(WIDEST - 1).chain(['…']).collect(),
-            false => name.clone(),
-        };
-        write!(f, "\n{name:width$}  {:>9}  {bound:>9}  {verdict}", number(*figure))?;
-    }
-    Ok(())
 }

@@ -3,7 +3,7 @@
 //! A stepper is kept as users keep it, and its steps are held against the same steps from equations that are solved in
 //! twice the digits.
 
-use super::frame::larger;
+use super::frame::{larger, worst};
 use super::measure::{Figure, MeasureError, STEP, Sample};
 use super::probe::{End, Solver, as_solver, by_all_ways};
 use crate::erased::{At, Method, units};
@@ -79,8 +79,8 @@ impl<'a, 'b> Warm<'a, 'b> {
         let outcome = self.method.advance(&self.state, &mut self.next, time, control, self.is_known);
         self.is_known = outcome.is_ok();
         match outcome {
-            Ok((iterations, _)) => {
-                let iterations = iterations.iter().sum();
+            Ok(advanced) => {
+                let iterations = advanced.iterations.iter().sum();
                 self.since += 1;
                 if always || iterations != self.iterations && self.since >= SELDOM {
                     self.compare(time, control);
@@ -107,7 +107,7 @@ impl<'a, 'b> Warm<'a, 'b> {
     fn compare(&mut self, time: f64, control: &[f64]) {
         let Some((end, allowed)) = self.converged(time, control, as_solver) else { return };
         let error = units(&self.next, &end, &allowed, &self.blocks).of_rounding;
-        self.worst = Some(larger(self.worst.unwrap_or(0.0), error));
+        self.worst = Some(self.worst.map_or(error, |worst| larger(worst, error)));
     }
 
     /// Where the step from `state` leads to in twice the digits.
@@ -158,14 +158,13 @@ impl Sample<'_> {
     pub(super) fn zeros(&self) -> Figure {
         let linear = &self.frame.linear;
         let momenta = self.frame.configuration.len();
-        let mut worst: Option<f64> = None;
-        for zero in 0..=linear.len() {
+        worst((0..=linear.len()).map(|zero| {
             let mut warm = Warm::new(self, self.step)?;
             let places = if zero < linear.len() { zero..zero + 1 } else { 0..momenta };
             linear[places].iter().for_each(|linear| warm.state[linear.component] = 0.0);
             let rate = self.frame.rate_at(&warm.state, self.control, self.time);
             if !(rate * self.step.abs() <= LONGEST * STEP) {
-                continue;
+                return Ok(None);
             }
             let time = warm.clock.after(0);
             let is_taken = warm.step(self.control, true)?;
@@ -173,15 +172,13 @@ impl Sample<'_> {
             if !is_taken && warm.converged(time, self.control, by_all_ways).is_some() {
                 return Ok(Some(f64::INFINITY));
             }
-            worst = warm.worst.map_or(worst, |error| Some(larger(error, worst.unwrap_or(0.0))));
-        }
-        Ok(worst)
+            Ok(warm.worst)
+        }))
     }
 
     /// With controls that jump at every step, and that stay and then jump.
     pub(super) fn control_jumps(&self) -> Figure {
-        let mut worst: Option<f64> = None;
-        for jump in JUMPS {
+        worst(JUMPS.into_iter().map(|jump| {
             let mut warm = Warm::new(self, self.step)?;
             for step in 0..4 * AFTER {
                 let jumps = step / AFTER % 2 == 1 || step % AFTER == 0;
@@ -195,16 +192,13 @@ impl Sample<'_> {
                     break;
                 }
             }
-            worst = worst.map_or(warm.worst, |worst| Some(larger(worst, warm.worst.unwrap_or(0.0))));
-        }
-        Ok(worst)
+            Ok(warm.worst)
+        }))
     }
 
     /// With steps ever twice as long, until they are too long for how fast the motion has become or cannot be taken.
     pub(super) fn long_steps(&self) -> Figure {
-        let mut worst: Option<f64> = None;
-        let mut longer = 2.0;
-        while longer <= LONGEST {
+        worst([2.0, 4.0, 8.0].into_iter().map(|longer| {
             let mut warm = Warm::new(self, longer * self.step)?;
             for _ in 0..AFTER {
                 let rate = self.frame.rate_at(&warm.state, self.control, warm.clock.after(0));
@@ -213,10 +207,8 @@ impl Sample<'_> {
                     break;
                 }
             }
-            worst = warm.worst.map_or(worst, |error| Some(larger(error, worst.unwrap_or(0.0))));
-            longer *= 2.0;
-        }
-        Ok(worst)
+            Ok(warm.worst)
+        }))
     }
 
     /// What a control is large next to: what all those of its kind are, or else what moves the system as much as it

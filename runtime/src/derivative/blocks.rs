@@ -23,15 +23,6 @@ pub trait Dense<T>: Copy + Zero + PartialEq + Debug {
     fn as_slice(&self) -> &[T];
     /// Its entries, column by column.
     fn as_mut_slice(&mut self) -> &mut [T];
-    /// The matrix of these entries, column by column.
-    fn from_column(entries: &[T]) -> Self
-    where
-        T: Copy,
-    {
-        let mut matrix = Self::zeros();
-        matrix.as_mut_slice().iter_mut().zip(entries).for_each(|(entry, value)| *entry = *value);
-        matrix
-    }
 }
 
 impl<T, const R: usize, const C: usize> Dense<T> for SMatrix<T, R, C>
@@ -120,7 +111,7 @@ pub(super) fn all_finite<T: Real>(numbers: &[T]) -> bool {
 
 /// The matrix of these columns.
 #[inline(always)]
-fn dense<T: Scalar, M: Dense<T>, C: AsRef<[T]>>(columns: &[C]) -> M {
+pub(super) fn dense<T: Scalar, M: Dense<T>, C: AsRef<[T]>>(columns: &[C]) -> M {
     let mut matrix = M::zeros();
     // plain loops, to be compiled for the processor that this is compiled for
     for (to, column) in matrix.as_mut_slice().chunks_exact_mut(M::ROWS.max(1)).zip(columns) {

@@ -63,6 +63,7 @@ use core::fmt;
 
 use num_traits::Zero;
 
+use blocks::dense;
 pub use blocks::{
     Dense, IndexRange, JacobianBlocks, JacobianBlocksOf, WrtControl, WrtParameters, WrtState, block,
 };
@@ -74,7 +75,7 @@ pub use method::{AllColumns, DerivativeSelection, HasDerivative, Linearizable, S
 pub use run::CheckpointedTape;
 
 use crate::kernel::Kernel;
-use crate::scalar::{Components, Scalar};
+use crate::scalar::{Components, Scalar, mapped};
 use crate::system::{Discretized, MethodOf, System};
 
 /// A system whose steps have derivatives, and the spaces that these act between.
@@ -280,9 +281,7 @@ pub type Perturbation<S> = Parts<
 pub type Gradient<S> = Perturbation<S>;
 
 fn to_array<T: Scalar, C: Components<T>>(vector: &impl Dense<T>) -> C {
-    let mut array: C = zeros();
-    array.as_mut().iter_mut().zip(vector.as_slice()).for_each(|(entry, value)| *entry = *value);
-    array
+    mapped(vector.as_slice(), T::of(0.0), |entry| entry)
 }
 
 /// The derivative of a step of the scheme `M` as a linear map.
@@ -313,7 +312,7 @@ where
         let Parts { state, control, parameters } = perturbation;
         let (state, control, parameters) = (to_array(state), to_array(control), to_array(parameters));
         let next = D::tangent(&self.derivative, &state, &control, &parameters);
-        Dense::from_column(next.as_ref())
+        dense(&[next])
     }
 
     /// The derivatives with respect to state, controls and parameters of a function of the next state whose derivative there is `costate`: the
@@ -323,11 +322,7 @@ where
         S: Derives<Adjoint>,
     {
         let (state, control, parameters) = D::adjoint(&self.derivative, &to_array(costate));
-        Parts {
-            state: Dense::from_column(state.as_ref()),
-            control: Dense::from_column(control.as_ref()),
-            parameters: Dense::from_column(parameters.as_ref()),
-        }
+        Parts { state: dense(&[state]), control: dense(&[control]), parameters: dense(&[parameters]) }
     }
 
     /// As matrices: the blocks that are asked for.

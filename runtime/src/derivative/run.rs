@@ -3,7 +3,7 @@
 use core::fmt;
 use std::vec::Vec;
 
-use super::blocks::all_finite;
+use super::blocks::{all_finite, dense};
 use super::{
     Adjoint, Dense, Derives, Differentiable, Gradient, Linearizable, Parts, Perturbation, StepStart, Tangent,
     add, to_array,
@@ -89,10 +89,7 @@ where
             }
             match stepper.step_with(state, &control(step)) {
                 Ok(taken) => report.count(&taken),
-                Err(source) => {
-                    let time = stepper.time();
-                    return Err(RunError { step: step + 1, time, report, cause: source });
-                }
+                Err(cause) => return Err(RunError::new(step + 1, stepper.time(), report, cause)),
             }
         }
         Ok(Self { checkpoints, spacing, steps, control })
@@ -180,10 +177,10 @@ where
                 if ![state.as_ref(), control.as_ref(), parameters.as_ref()].into_iter().all(all_finite) {
                     return Err(StepError::NoDerivative);
                 }
-                total.state = Dense::from_column(state.as_ref());
+                total.state = dense(&[state]);
                 add(total.control.as_mut_slice(), control.as_ref());
                 add(total.parameters.as_mut_slice(), parameters.as_ref());
-                let control = Dense::from_column(control.as_ref());
+                let control = dense(&[control]);
                 let state = S::State::from_components(start);
                 each(step, &state, &control, &mut total.state);
             }

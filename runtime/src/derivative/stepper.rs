@@ -42,16 +42,9 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     where
         S::Method<S::Scalar>: HasDerivative<S>,
     {
-        let (components, time, before) =
-            (state.to_components(), S::Scalar::of(self.time()), (state.clone(), self.left));
-        let report = self.step_with(state, control)?;
-        let (parameters, control) = (self.system.to_parameters(), control.to_components());
-        let (parameters, step, control) = (&parameters, self.step, &control);
-        let start = StepStart { parameters, step, state: &components, time, control };
-        let derivative = self.method.last_derivative(&start);
-        if !S::Method::<S::Scalar>::is_finite(&derivative) {
-            return Err(self.take_back(state, before));
-        }
+        let is_finite = S::Method::<S::Scalar>::is_finite;
+        let (derivative, report) =
+            self.differentiated(state, control, |method, start| method.last_derivative(&start), is_finite)?;
         Ok((StepDerivative::new(derivative), report))
     }
 
@@ -73,18 +66,32 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     where
         B: JacobianBlocksOf<S, S::Method<S::Scalar>>,
     {
+        // for wide registers where there are some: what comes of it is the same, the operations are
+        let blocks = PhantomData::<(S, B)>;
+        self.differentiated(
+            state,
+            control,
+            |method, start| S::Scalar::dispatch_fused(JacobianWork { method, start, blocks }),
+            B::is_finite,
+        )
+    }
+
+    /// Takes one step, and gives what is made of its method and its start; takes it back if that is not finite.
+    #[inline(always)]
+    fn differentiated<J>(
+        &mut self,
+        state: &mut S::State,
+        control: &S::Control,
+        of: impl FnOnce(&S::Method<S::Scalar>, StartOf<'_, S::Method<S::Scalar>>) -> J,
+        is_finite: impl FnOnce(&J) -> bool,
+    ) -> Result<(J, StepReport), StepError> {
         let (components, time, before) =
             (state.to_components(), S::Scalar::of(self.time()), (state.clone(), self.left));
         let report = self.step_with(state, control)?;
         let (parameters, control) = (&self.system.to_parameters(), &control.to_components());
         let start = StepStart { parameters, step: self.step, state: &components, time, control };
-        let work = JacobianWork { method: &self.method, start, blocks: PhantomData::<(S, B)> };
-        // for wide registers where there are some: what comes of it is the same, the operations are
-        let jacobian = S::Scalar::dispatch_fused(work);
-        if !B::is_finite(&jacobian) {
-            return Err(self.take_back(state, before));
-        }
-        Ok((jacobian, report))
+        let made = of(&self.method, start);
+        if is_finite(&made) { Ok((made, report)) } else { Err(self.take_back(state, before)) }
     }
 
     /// Takes back a step that has no derivative.

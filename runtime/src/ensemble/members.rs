@@ -71,7 +71,7 @@ pub(crate) trait Builder {
 pub struct Members {
     blocks: Vec<Box<dyn Block>>,
     /// How many there are side by side in a block.
-    width: usize,
+    pub(crate) width: usize,
     /// Those that failed, in the order of their numbers.
     pub(crate) failed: Vec<Failed>,
     /// When steps are taken, and how long they are.
@@ -120,19 +120,6 @@ impl Members {
                 Ok(Self { blocks, width, failed: Vec::new(), clock })
             }
         }
-    }
-
-    /// How many members are stepped side by side.
-    pub(crate) fn width(&self) -> usize {
-        self.width
-    }
-
-    pub(crate) fn time(&self) -> f64 {
-        self.clock.after(0)
-    }
-
-    pub(crate) fn set_time(&mut self, time: f64) {
-        (self.clock.start, self.clock.taken) = (time, 0);
     }
 
     /// All take so many steps, with the controls that they have, or those of a law; returns the steps of all together.
@@ -353,8 +340,8 @@ impl<T: Batch> Block for LaneBlock<T> {
             done += 1;
             match self.method.advance(&self.state, &mut self.next, time, &self.control, known) {
                 Ok(_) => core::mem::swap(&mut self.state, &mut self.next),
-                Err(errors) => {
-                    self.retire(errors.as_ref(), clock.taken + done, &mut taken.failed);
+                Err(failure) => {
+                    self.retire(failure.errors.as_ref(), clock.taken + done, &mut taken.failed);
                     members = self.alive();
                 }
             }

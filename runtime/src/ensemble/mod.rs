@@ -54,7 +54,7 @@ use thiserror::Error;
 
 use crate::error::{ParameterError, StepError};
 use crate::flat::{Flat, Method, NotGenerated};
-use crate::scalar::{Batch, Components, Real, Scalar};
+use crate::scalar::{Batch, Real, Scalar, mapped};
 use crate::stepper::{check_state, check_step};
 use crate::system::{Control, Discretized, State, System};
 pub use initial::{normal, uniform};
@@ -130,11 +130,7 @@ pub(crate) fn check_member(
 /// The state of a member, by way of these numbers.
 fn state_of<S: System>(members: &Members, member: usize, numbers: &mut Vec<f64>) -> S::State {
     members.state(member, numbers);
-    let mut components = S::StateComponents::<S::Scalar>::splat(S::Scalar::of(0.0));
-    for (component, number) in components.as_mut().iter_mut().zip(numbers) {
-        *component = S::Scalar::of(*number);
-    }
-    S::State::from_components(&components)
+    S::State::from_components(&mapped(numbers, S::Scalar::of(0.0), S::Scalar::of))
 }
 
 /// The steps of the scheme `M`, for as many members as there are lanes.
@@ -229,12 +225,12 @@ impl<S: Discretized<M> + 'static, M: 'static> Ensemble<S, M> {
 
     /// The time, in f64 whatever the scalar.
     pub fn time(&self) -> f64 {
-        self.members.time()
+        self.members.clock.after(0)
     }
 
     /// Sets the time: the next step starts at `time`.
     pub fn set_time(&mut self, time: f64) {
-        self.members.set_time(time);
+        (self.members.clock.start, self.members.clock.taken) = (time, 0);
     }
 
     /// The steps taken since the start, or since the time was set.
@@ -279,7 +275,7 @@ impl<S: Discretized<M> + 'static, M: 'static> Ensemble<S, M> {
 
     /// How many members are stepped side by side: that depends on the processor.
     pub fn width(&self) -> usize {
-        self.members.width()
+        self.members.width
     }
 
     /// Chooses the controls of all members, to be held until they are chosen anew; before, they are zero.

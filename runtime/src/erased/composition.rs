@@ -45,7 +45,7 @@ pub(super) fn composed<T: Batch, E>(
         Scheme::Step(map, rule) => generated(map, rule, step),
         Scheme::Composed(set, base) => {
             let part = |_, step| composed(&base, invariant, step, generated);
-            Ok(Box::new(Composition::new(set.gamma(), step, part)?))
+            Ok(Box::new(Composition::new(set.gamma, step, part)?))
         }
         Scheme::StormerVerlet(map) | Scheme::Standard(map) => {
             let halves = [Rule::Member(0, 1), Rule::Member(1, 1)];
@@ -119,7 +119,7 @@ impl<T: Batch> Method<T> for Composition<T> {
             core::mem::swap(&mut to, &mut other);
         }
         self.whole = true;
-        accumulator.outcome()
+        accumulator.end(())
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {

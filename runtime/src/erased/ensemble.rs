@@ -4,12 +4,11 @@ use core::fmt;
 use std::sync::Arc;
 use std::vec::Vec;
 
-use super::system::{EnsembleSystem, System, check_length, length};
+use super::system::{EnsembleSystem, System, check, length};
 use crate::ensemble::members::{Law, Member, MemberLaw, Members};
 use crate::ensemble::{EnsembleError, Failed, Instructions, check_member};
 use crate::error::ParameterError;
 use crate::flat::NotGenerated;
-use crate::stepper::check_state;
 
 /// Many states of one system that move at the same time, each with parameters of its own, by the system's standard step on the Cayley map:
 /// [`Ensemble`](crate::Ensemble) with its types erased.
@@ -33,8 +32,7 @@ impl Ensemble {
         step: f64,
     ) -> Result<Self, EnsembleError> {
         let description = system.description();
-        let (expected, numbers) = (system.parameters().len(), length(description.state));
-        let (mut systems, mut checked) = (Vec::new(), Vec::new());
+        let (expected, mut systems, mut checked) = (system.parameters().len(), Vec::new(), Vec::new());
         for (member, (parameters, state)) in members.into_iter().enumerate() {
             let got = parameters.len();
             if got != expected {
@@ -42,9 +40,7 @@ impl Ensemble {
                 return Err(EnsembleError::Parameters { member, source });
             }
             let system = system.with_parameters(&parameters);
-            let is_state =
-                check_length(&state, numbers).and_then(|()| check_state(&state, system.deviation(&state)));
-            check_member(member, system.validate(), step, is_state)?;
+            check_member(member, system.validate(), step, check(&*system, &state))?;
             systems.push(system);
             checked.push(Member { parameters, state });
         }
@@ -69,12 +65,12 @@ impl Ensemble {
 
     /// The time.
     pub fn time(&self) -> f64 {
-        self.members.time()
+        self.members.clock.after(0)
     }
 
     /// How many members are stepped side by side: that depends on the processor.
     pub fn width(&self) -> usize {
-        self.members.width()
+        self.members.width
     }
 
     /// The members that failed, in order.

@@ -7,7 +7,7 @@ use std::vec::Vec;
 use super::system::{At, Geometry, System, length};
 use crate::error::StepError;
 use crate::flat::Method;
-use crate::method::Counted;
+use crate::method::{Advanced, Counted, Failure};
 use crate::retraction::RetractionKind;
 use crate::system::{Quantity, Role};
 
@@ -87,11 +87,14 @@ impl Method<f64> for ByFunction {
         control: &[f64],
         _: bool,
     ) -> Counted<f64> {
-        match (self.function)(&*self.system, &At { step: self.step, state, time, control }, next) {
-            Ok(iterations) if next.iter().all(|x| x.is_finite()) => Ok(([iterations], 0.0)),
-            Ok(_) => Err([Some(StepError::NotFinite)]),
-            Err(error) => Err([Some(error)]),
-        }
+        let at = At { step: self.step, state, time, control };
+        let (iterations, error) = match (self.function)(&*self.system, &at, next) {
+            Ok(iterations) if next.iter().all(|x| x.is_finite()) => (iterations, None),
+            Ok(iterations) => (iterations, Some(StepError::NotFinite)),
+            Err(error) => (0, Some(error)),
+        };
+        let advanced = Advanced { state: (), iterations: [iterations], residual: 0.0 };
+        if error.is_none() { Ok(advanced) } else { Err(Failure { errors: [error], advanced }) }
     }
 
     // it remembers nothing

@@ -54,7 +54,7 @@ pub use system::{At, EnsembleSystem, System};
 #[doc(hidden)]
 pub use trial::{Solved, Trial, Units, units};
 
-pub(crate) use crate::flat::{array, of_only_lane};
+pub(crate) use crate::flat::array;
 pub(crate) use composition::method;
 pub(crate) use equation::equation;
-pub(crate) use system::{Geometry, check_length, length};
+pub(crate) use system::{Geometry, check};

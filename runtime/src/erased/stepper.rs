@@ -12,11 +12,12 @@ use super::field::ByFunction;
 use super::jacobian::{self, Jacobian, JacobianError};
 use super::system::{At, System, check_length, length};
 use crate::error::{ParameterError, StepError};
-use crate::flat::{Method, NotGenerated, of_only_lane};
-use crate::method::{Clock, Counted};
+use crate::flat::{Method, NotGenerated};
+use crate::method::{Advanced, Clock, Counted};
 use crate::schemes::Scheme;
 use crate::snapshot::{self, visit_flag};
 use crate::stepper::report::{RunError, RunReport};
+use crate::stepper::stepping::as_by_itself;
 use crate::stepper::{StepReport, Stepping, check_deviation, check_step, trajectory};
 
 /// Takes steps of one size through the motion of one system, with one scheme: [`Stepper`](crate::Stepper) with its types erased.
@@ -309,7 +310,7 @@ impl Stepper {
 
     #[inline]
     fn arrive(&mut self, outcome: Counted<f64>) -> Result<StepReport, StepError> {
-        let (iterations, residual) = outcome.map_err(of_only_lane)?;
+        let Advanced { iterations, residual, .. } = outcome.map_err(|failure| failure.first())?;
         core::mem::swap(&mut self.left, &mut self.next);
         self.has_left = true;
         self.taken += 1;
@@ -351,8 +352,9 @@ impl Stepper {
         if report.steps > 0 {
             state.copy_from_slice(&self.left);
         }
-        let (step, time) = (self.steps_taken() + 1, self.time());
-        outcome.map(|()| report).map_err(|cause| RunError { step, time, report, cause })
+        outcome
+            .map(|()| report)
+            .map_err(|cause| RunError::new(self.steps_taken() + 1, self.time(), report, cause))
     }
 
     fn clock(&self) -> Clock {
@@ -390,17 +392,7 @@ impl Stepping for Stepper {
         &*self.system
     }
 
-    fn time(&self) -> f64 {
-        Self::time(self)
-    }
-
-    fn set_time(&mut self, time: f64) {
-        Self::set_time(self, time);
-    }
-
-    fn steps_taken(&self) -> u64 {
-        Self::steps_taken(self)
-    }
+    as_by_itself!();
 
     fn step_size(&self) -> f64 {
         self.step
@@ -408,14 +400,6 @@ impl Stepping for Stepper {
 
     fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError> {
         Self::set_step_size(self, step)
-    }
-
-    fn snapshot(&self) -> Vec<f64> {
-        Self::snapshot(self)
-    }
-
-    fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
-        Self::restore(self, memory)
     }
 
     fn step_with(&mut self, state: &mut Vec<f64>, control: &Vec<f64>) -> Result<StepReport, StepError> {

@@ -18,6 +18,7 @@ use crate::scalar::Batch;
 use crate::scheme::{Base, Rule};
 use crate::schemes::Scheme;
 use crate::solve::step::OneStep;
+use crate::stepper::check_state;
 use crate::system::{self, Control, Description, Dynamics, Generated, Quantity, Schemes, State, Visitor};
 
 /// How many numbers these quantities are.
@@ -28,6 +29,12 @@ pub(crate) fn length(quantities: &[Quantity]) -> usize {
 /// Whether a list has as many numbers as a state.
 pub(crate) fn check_length(state: &[f64], expected: usize) -> Result<(), StepError> {
     if state.len() == expected { Ok(()) } else { Err(StepError::Length { expected }) }
+}
+
+/// Whether a list is a state of a system that is finite and on its group, more or less.
+pub(crate) fn check(system: &(impl Geometry + ?Sized), state: &[f64]) -> Result<(), StepError> {
+    check_length(state, length(system.description().state))?;
+    check_state(state, system.deviation(state))
 }
 
 /// A system with its parameters and its geometry, on slices; any [`system::Geometry`] over `f64` is one. Not to be imported from outside: the
@@ -73,6 +80,16 @@ fn control_of<S: system::System<Scalar = f64>>(control: &[f64]) -> S::Control {
     S::Control::from_components(&array(control))
 }
 
+/// What a state has at a time and with controls, in the coordinates of tangent vectors.
+macro_rules! tangents {
+    ($($name:ident),*) => {
+        $(fn $name(&self, state: &[f64], time: f64, control: &[f64]) -> Vec<f64> {
+            let control = control_of::<S>(control);
+            system::Geometry::$name(self, &state_of::<S>(state), time, &control).as_ref().to_vec()
+        })*
+    };
+}
+
 impl<S: system::Geometry<Scalar = f64>> Geometry for S {
     fn description(&self) -> Description {
         Description::of::<S>()
@@ -103,24 +120,11 @@ impl<S: system::Geometry<Scalar = f64>> Geometry for S {
         displaced.to_components().as_ref().to_vec()
     }
 
-    fn differential(&self, state: &[f64], time: f64, control: &[f64]) -> Vec<f64> {
-        let control = control_of::<S>(control);
-        system::Geometry::differential(self, &state_of::<S>(state), time, &control).as_ref().to_vec()
-    }
+    tangents!(differential, force, motion);
 
     fn hamiltonian_vector(&self, state: &[f64], covector: &[f64]) -> Vec<f64> {
         let state = state_of::<S>(state);
         system::Geometry::hamiltonian_vector(self, &state, &array(covector)).as_ref().to_vec()
-    }
-
-    fn force(&self, state: &[f64], time: f64, control: &[f64]) -> Vec<f64> {
-        let control = control_of::<S>(control);
-        system::Geometry::force(self, &state_of::<S>(state), time, &control).as_ref().to_vec()
-    }
-
-    fn motion(&self, state: &[f64], time: f64, control: &[f64]) -> Vec<f64> {
-        let control = control_of::<S>(control);
-        system::Geometry::motion(self, &state_of::<S>(state), time, &control).as_ref().to_vec()
     }
 
     fn vector_field(&self, state: &[f64], time: f64, control: &[f64]) -> Vec<f64> {

@@ -64,6 +64,18 @@ operators! {
     };
 }
 
+/// Functions of one number, by their derivatives.
+macro_rules! functions {
+    ($($name:ident: |$x:pat_param, $value:pat_param| $derivative:expr;)*) => {
+        $(#[inline]
+        fn $name(self) -> Self {
+            let value = self.value.$name();
+            let ($x, $value) = (self, value);
+            self.function(value, $derivative)
+        })*
+    };
+}
+
 impl<T: Real> Scalar for Bounded<T> {
     /// Constants are those that the step has, and no approximations.
     #[inline]
@@ -83,52 +95,18 @@ impl<T: Real> Scalar for Bounded<T> {
         };
         Self::rounded(root, brought)
     }
-    #[inline]
-    fn exp(self) -> Self {
-        let value = self.value.exp();
-        self.function(value, value)
-    }
-    #[inline]
-    fn ln(self) -> Self {
-        self.function(self.value.ln(), T::of(1.0) / self.certain())
-    }
-    #[inline]
-    fn sin(self) -> Self {
-        self.function(self.value.sin(), self.value.cos())
-    }
-    #[inline]
-    fn cos(self) -> Self {
-        self.function(self.value.cos(), self.value.sin())
-    }
-    #[inline]
-    fn tan(self) -> Self {
-        let value = self.value.tan();
-        self.function(value, T::of(1.0) + value * value)
-    }
-    #[inline]
-    fn asin(self) -> Self {
-        self.function(self.value.asin(), T::of(1.0) / (T::of(1.0) - self.value * self.value).sqrt())
-    }
-    #[inline]
-    fn acos(self) -> Self {
-        self.function(self.value.acos(), T::of(1.0) / (T::of(1.0) - self.value * self.value).sqrt())
-    }
-    #[inline]
-    fn atan(self) -> Self {
-        self.function(self.value.atan(), T::of(1.0) / (T::of(1.0) + self.value * self.value))
-    }
-    #[inline]
-    fn sinh(self) -> Self {
-        self.function(self.value.sinh(), self.value.cosh())
-    }
-    #[inline]
-    fn cosh(self) -> Self {
-        self.function(self.value.cosh(), self.value.sinh())
-    }
-    #[inline]
-    fn tanh(self) -> Self {
-        let value = self.value.tanh();
-        self.function(value, T::of(1.0) - value * value)
+    functions! {
+        exp: |_, value| value;
+        ln: |x, _| T::of(1.0) / x.certain();
+        sin: |x, _| x.value.cos();
+        cos: |x, _| x.value.sin();
+        tan: |_, value| T::of(1.0) + value * value;
+        asin: |x, _| T::of(1.0) / (T::of(1.0) - x.value * x.value).sqrt();
+        acos: |x, _| T::of(1.0) / (T::of(1.0) - x.value * x.value).sqrt();
+        atan: |x, _| T::of(1.0) / (T::of(1.0) + x.value * x.value);
+        sinh: |x, _| x.value.cosh();
+        cosh: |x, _| x.value.sinh();
+        tanh: |_, value| T::of(1.0) - value * value;
     }
     #[inline]
     fn powf(self, exponent: Self) -> Self {

@@ -10,6 +10,16 @@ pub trait Components<T>:
     fn splat(value: T) -> Self;
 }
 
+/// The array of what a function makes of each number; `empty` where there are no more of them.
+#[inline(always)]
+pub(crate) fn mapped<T: Copy, U, C: Components<U>>(numbers: &[T], empty: U, of: impl Fn(T) -> U) -> C {
+    let mut mapped = C::splat(empty);
+    for (to, number) in mapped.as_mut().iter_mut().zip(numbers) {
+        *to = of(*number);
+    }
+    mapped
+}
+
 mod sealed {
     pub trait Array<T> {}
 

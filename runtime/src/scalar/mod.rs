@@ -13,6 +13,7 @@ pub(crate) mod stumpff;
 pub(crate) mod zero;
 
 pub use components::Components;
+pub(crate) use components::mapped;
 use simd::lanes::{Portable, Processor};
 
 /// Whether the program is built for processors that multiply and add in one instruction, with one rounding, as by
@@ -125,11 +126,11 @@ macro_rules! functions {
 pub(crate) use functions;
 
 macro_rules! delegate {
-    ($($name:ident),*) => {
-        $(#[inline(always)]
-        fn $name(self) -> Self {
-            nalgebra::ComplexField::$name(self)
-        })*
+    ($($field:ident: $($name:ident($($operand:ident),*))*;)*) => {
+        $($(#[inline(always)]
+        fn $name(self $(, $operand: Self)*) -> Self {
+            nalgebra::$field::$name(self $(, $operand)*)
+        })*)*
     };
 }
 
@@ -146,18 +147,9 @@ impl<T: RealField + Copy> Scalar for T {
     fn neg_mul_add(self, a: Self, b: Self) -> Self {
         if FUSED { nalgebra::ComplexField::mul_add(self, -a, b) } else { b - self * a }
     }
-    delegate!(sqrt, exp, ln, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh);
-    #[inline(always)]
-    fn powf(self, exponent: Self) -> Self {
-        nalgebra::ComplexField::powf(self, exponent)
-    }
-    #[inline(always)]
-    fn atan2(self, x: Self) -> Self {
-        RealField::atan2(self, x)
-    }
-    #[inline(always)]
-    fn min(self, other: Self) -> Self {
-        RealField::min(self, other)
+    delegate! {
+        ComplexField: sqrt() exp() ln() sin() cos() tan() asin() acos() atan() sinh() cosh() tanh() powf(exponent);
+        RealField: atan2(x) min(other);
     }
     #[inline(always)]
     fn stumpff<const N: usize>(self) -> [Self; N] {

@@ -78,7 +78,7 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
     #[inline(always)]
     fn advance_from(
         &mut self,
-        _stage: usize,
+        _stage: Option<usize>,
         state: &K::State,
         time: T,
         control: &K::Control,

@@ -1,7 +1,7 @@
 //! The stepper: a method with its step, for people to call.
 
 pub(crate) mod report;
-mod stepping;
+pub(crate) mod stepping;
 mod trajectory;
 
 use core::fmt;
@@ -315,10 +315,7 @@ impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
             }
             match self.step_apart(state, control) {
                 Ok(step) => report.count(&step),
-                Err(source) => {
-                    let (step, time) = (self.steps_taken() + 1, self.time());
-                    return Err(RunError { step, time, report, cause: source });
-                }
+                Err(cause) => return Err(RunError::new(self.steps_taken() + 1, self.time(), report, cause)),
             }
         }
         Ok(report)

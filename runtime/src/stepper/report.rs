@@ -40,7 +40,6 @@ impl RunReport {
         });
     }
 
-    /// Counts the steps of another report, too.
     /// Counts steps that a method has taken, of one lane.
     #[inline(always)]
     pub(crate) fn add_steps<T: Real>(&mut self, more: &StepsReport<T>) {
@@ -53,6 +52,7 @@ impl RunReport {
         });
     }
 
+    /// Counts the steps of another report, too.
     #[inline(always)]
     pub(crate) fn add(&mut self, more: &Self) {
         self.steps += more.steps;

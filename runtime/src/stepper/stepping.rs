@@ -82,6 +82,39 @@ pub trait Stepping {
     ) -> Result<RunReport, RunError>;
 }
 
+/// The calls that are the stepper's own, whatever its type.
+macro_rules! as_by_itself {
+    () => {
+        #[inline]
+        fn time(&self) -> f64 {
+            Self::time(self)
+        }
+
+        #[inline]
+        fn set_time(&mut self, time: f64) {
+            Self::set_time(self, time);
+        }
+
+        #[inline]
+        fn steps_taken(&self) -> u64 {
+            Self::steps_taken(self)
+        }
+
+        #[cfg(feature = "std")]
+        #[inline]
+        fn snapshot(&self) -> std::vec::Vec<f64> {
+            Self::snapshot(self)
+        }
+
+        #[inline]
+        fn restore(&mut self, memory: &[f64]) -> Result<(), crate::error::ParameterError> {
+            Self::restore(self, memory)
+        }
+    };
+}
+#[cfg(feature = "std")]
+pub(crate) use as_by_itself;
+
 impl<S: System, M, D: MethodOf<S>> Stepping for Stepper<S, M, D> {
     type System = S;
 
@@ -90,20 +123,7 @@ impl<S: System, M, D: MethodOf<S>> Stepping for Stepper<S, M, D> {
         &self.system
     }
 
-    #[inline]
-    fn time(&self) -> f64 {
-        Stepper::time(self)
-    }
-
-    #[inline]
-    fn set_time(&mut self, time: f64) {
-        Stepper::set_time(self, time);
-    }
-
-    #[inline]
-    fn steps_taken(&self) -> u64 {
-        Stepper::steps_taken(self)
-    }
+    as_by_itself!();
 
     #[inline]
     fn step_size(&self) -> f64 {
@@ -113,17 +133,6 @@ impl<S: System, M, D: MethodOf<S>> Stepping for Stepper<S, M, D> {
     #[inline]
     fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError> {
         Stepper::set_step_size(self, S::Scalar::of(step))
-    }
-
-    #[cfg(feature = "std")]
-    #[inline]
-    fn snapshot(&self) -> std::vec::Vec<f64> {
-        Stepper::snapshot(self)
-    }
-
-    #[inline]
-    fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
-        Stepper::restore(self, memory)
     }
 
     #[inline]

@@ -51,7 +51,7 @@ where
     #[inline(always)]
     fn advance_from(
         &mut self,
-        _stage: usize,
+        _from: Option<usize>,
         state: &B::State,
         time: B::Scalar,
         control: &B::Control,

@@ -418,7 +418,7 @@ impl<T: Batch> Method for Leak<T> {
 
     fn advance_from(
         &mut self,
-        _: usize,
+        _: Option<usize>,
         state: &[T; 7],
         time: T,
         control: &[T; 0],
@@ -483,7 +483,7 @@ impl<T: Batch, const STUCK: bool> Method for Aged<T, STUCK> {
 
     fn advance_from(
         &mut self,
-        _: usize,
+        _: Option<usize>,
         state: &[T; 7],
         time: T,
         control: &[T; 0],
