@@ -136,7 +136,7 @@ fn assignments(quantities: &[Quantity], state: &[f64]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_systems::catalogue;
+    use crate::tests::catalogue;
 
     #[test]
     fn every_row_is_explained_in_a_line() {

@@ -398,7 +398,7 @@ fn version(entry: &Entry, plan: &Plan) -> u32 {
 mod tests {
     use super::*;
     use crate::setup::{Method, Order, Retraction};
-    use crate::test_systems::catalogue;
+    use crate::tests::catalogue;
 
     fn file(of: &str) -> Saved {
         let entry = catalogue().system(of).expect("it is there");

@@ -458,7 +458,7 @@ pub(crate) fn read(path: &Path) -> Result<Option<(FileOrigin, bool)>, FileError>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_systems::catalogue;
+    use crate::tests::catalogue;
 
     fn provenance() -> FileOrigin {
         let entry = catalogue().system("heavy_top").expect("it is there");

@@ -147,7 +147,7 @@ impl Trajectory {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_systems::HeavyTop;
+    use crate::tests::HeavyTop;
 
     #[test]
     fn a_table_a_plot_and_a_page_show_what_was_given() {

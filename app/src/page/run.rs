@@ -200,7 +200,7 @@ fn common(names: &[String], places: &[usize]) -> String {
 mod tests {
     use super::*;
     use crate::record::Sample;
-    use crate::test_systems::catalogue;
+    use crate::tests::catalogue;
 
     #[test]
     fn plots_arrows_and_parameters_have_the_units_of_the_description() {

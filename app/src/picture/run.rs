@@ -102,7 +102,7 @@ pub fn series(curve: &Envelope, label: &str, color: Color, unit: f64) -> Vec<Ser
 mod tests {
     use super::*;
     use crate::record::Sample;
-    use crate::test_systems::catalogue;
+    use crate::tests::catalogue;
 
     #[test]
     fn axes_have_the_units_of_the_description() {

@@ -202,7 +202,7 @@ fn write_example(text: &mut String, entry: &Entry) -> std::fmt::Result {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_systems::catalogue;
+    use crate::tests::catalogue;
 
     #[test]
     fn the_example_says_what_the_system_says() {

@@ -92,7 +92,7 @@ fn evenly(from: f64, to: f64, count: usize) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_systems::catalogue;
+    use crate::tests::catalogue;
 
     fn scan(text: &str) -> Result<Vec<f64>, String> {
         let top = catalogue().find("heavy_top").expect("it is there");

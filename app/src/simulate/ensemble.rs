@@ -255,7 +255,7 @@ impl EnsembleBackend {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_systems::catalogue;
+    use crate::tests::catalogue;
 
     #[test]
     fn ensembles_that_memory_cannot_hold_are_refused() {
