@@ -1,9 +1,8 @@
 //! Where everything of a picture is: frames, axes, keys and series.
 
 use super::axis::{Placement, Tick};
-use super::clip::{Frame, ROUNDOFF, clipped};
+use super::clip::{Frame, clipped};
 use super::font;
-use super::labels;
 use super::palette::Color;
 use super::scene::{Anchor, Point, Scene, Shape, Text};
 use super::{Figure, Key, Panel, Series, Style};
@@ -33,12 +32,8 @@ struct Placed<'a> {
     is_labelled: (bool, bool),
 }
 
-/// The room around the frames of a row or a column.
-#[derive(Clone, Copy, Default)]
-struct Margin {
-    before: f64,
-    after: f64,
-}
+/// The room before and behind the frames of a row or a column.
+type Margin = (f64, f64);
 
 pub(super) fn scene(figure: &Figure) -> Scene {
     let columns = figure.columns.max(1);
@@ -46,10 +41,7 @@ pub(super) fn scene(figure: &Figure) -> Scene {
     let rows = placed.len().div_ceil(columns);
     let margin = |of: &dyn Fn(&Placed<'_>) -> Margin, is_in: &dyn Fn(usize) -> bool| {
         let margins = placed.iter().enumerate().filter(|(i, _)| is_in(*i)).map(|(_, placed)| of(placed));
-        margins.fold(Margin::default(), |a, b| Margin {
-            before: a.before.max(b.before),
-            after: a.after.max(b.after),
-        })
+        margins.fold((0.0, 0.0), |a: Margin, b| (a.0.max(b.0), a.1.max(b.1)))
     };
     let across: Vec<Margin> = (0..columns)
         .map(|column| margin(&|placed| placed.beside(figure.cell), &|i| i % columns == column))
@@ -57,7 +49,7 @@ pub(super) fn scene(figure: &Figure) -> Scene {
     let down: Vec<Margin> =
         (0..rows).map(|row| margin(&|placed| placed.around(figure.key), &|i| i / columns == row)).collect();
     let (width, height) = figure.cell;
-    let full = EDGE + across.iter().map(|margin| margin.before + width + margin.after).sum::<f64>() + EDGE;
+    let full = EDGE + across.iter().map(|(before, behind)| before + width + behind).sum::<f64>() + EDGE;
     let mut scene = Scene { width: full, height: 0.0, shapes: Vec::new() };
     let mut y = EDGE;
     if !figure.title.is_empty() {
@@ -71,19 +63,16 @@ pub(super) fn scene(figure: &Figure) -> Scene {
         y = key_in_lines(&mut scene, &all, y);
     }
     let mut panels = placed.iter();
-    for (row, margin) in down.iter().enumerate() {
-        y += margin.before;
+    for (above, below) in down {
+        y += above;
         let mut x = EDGE;
-        for (column, (beside, panel)) in across.iter().zip(panels.by_ref()).enumerate() {
-            x += beside.before;
+        for ((before, behind), panel) in across.iter().zip(panels.by_ref()) {
+            x += before;
             let frame = Frame { left: x, right: x + width, top: y, bottom: y + height };
-            let lines = panel.draw(&mut scene, &frame, figure.key);
-            if figure.key == Key::Lines && (row, column) == (0, 0) {
-                labels::place(&mut scene, &frame, &lines, SMALL);
-            }
-            x += width + beside.after;
+            panel.draw(&mut scene, &frame, figure.key);
+            x += width + behind;
         }
-        y += height + margin.after;
+        y += height + below;
     }
     scene.height = y + 0.5 * EDGE;
     scene
@@ -148,7 +137,7 @@ impl Placed<'_> {
         let widest = widest.map(|label| font::width(label, SMALL)).fold(0.0, f64::max);
         let label = if self.panel.y.label.is_empty() { 0.0 } else { LABEL + GAP };
         let before = if self.is_labelled.1 { label + widest + GAP } else { 0.0 };
-        Margin { before, after: 24.0 }
+        (before, 24.0)
     }
 
     /// Above and below the frame.
@@ -156,11 +145,10 @@ impl Placed<'_> {
         let is_headed = !self.panel.title.is_empty() || (key == Key::Each && self.panel.has_key());
         let label = if self.panel.x.label.is_empty() { 0.0 } else { LINE };
         let after = if self.is_labelled.0 { GAP + SMALL + label } else { 0.0 };
-        Margin { before: if is_headed { LINE + 6.0 } else { 14.0 }, after: after + 6.0 }
+        (if is_headed { LINE + 6.0 } else { 14.0 }, after + 6.0)
     }
 
-    /// The answer is where its series are.
-    fn draw(&self, scene: &mut Scene, frame: &Frame, key: Key) -> Vec<(&Series, Vec<Point>)> {
+    fn draw(&self, scene: &mut Scene, frame: &Frame, key: Key) {
         let [across, up] = self.ticks((frame.width(), frame.height()));
         self.draw_grid(scene, frame, &across, &up);
         let place = |&(x, y): &Point| {
@@ -169,14 +157,9 @@ impl Placed<'_> {
                 frame.top + frame.height() * (1.0 - self.vertical.place(y)),
             )
         };
-        let lines: Vec<(&Series, Vec<Point>)> = self
-            .panel
-            .series
-            .iter()
-            .map(|series| (series, series.points.iter().map(place).collect()))
-            .collect();
-        for (series, points) in &lines {
-            draw_series(scene, frame, series, points);
+        for series in &self.panel.series {
+            let points: Vec<Point> = series.points.iter().map(place).collect();
+            draw_series(scene, frame, series, (&points, &points));
         }
         let corners = [
             (frame.left, frame.top),
@@ -193,7 +176,6 @@ impl Placed<'_> {
         if key == Key::Each && self.panel.has_key() {
             key_right(scene, &self.panel.series, frame);
         }
-        lines
     }
 
     fn draw_grid(&self, scene: &mut Scene, frame: &Frame, across: &[Tick], up: &[Tick]) {
@@ -241,7 +223,8 @@ impl Placed<'_> {
     }
 }
 
-fn draw_series(scene: &mut Scene, frame: &Frame, series: &Series, points: &[Point]) {
+/// Draws a series through these points, with its marks at those.
+fn draw_series(scene: &mut Scene, frame: &Frame, series: &Series, (points, marks): (&[Point], &[Point])) {
     let color = series.color;
     match series.style {
         Style::Band(opacity) => {
@@ -272,7 +255,7 @@ fn draw_series(scene: &mut Scene, frame: &Frame, series: &Series, points: &[Poin
                 }
             }
             if let Some(mark) = series.style.mark() {
-                let at = points.iter().copied().filter(|point| frame.grown(ROUNDOFF).holds(*point)).collect();
+                let at = marks.iter().copied().filter(|point| frame.holds(*point)).collect();
                 scene.shapes.push(Shape::Marks { at, mark, color });
             }
         }
@@ -335,25 +318,16 @@ fn key_right(scene: &mut Scene, series: &[Series], frame: &Frame) {
     }
 }
 
-/// How a series looks.
+/// Shows how a series looks.
 fn sample(scene: &mut Scene, series: &Series, (x, y): Point) {
-    let color = series.color;
-    match series.style {
-        Style::Band(opacity) => {
-            let points = vec![(x, y - 5.0), (x + SAMPLE, y - 5.0), (x + SAMPLE, y + 5.0), (x, y + 5.0)];
-            scene.shapes.push(Shape::Area { points, color, opacity });
-        }
-        Style::Bars => scene.line(vec![(x + 0.5 * SAMPLE, y - 6.0), (x + 0.5 * SAMPLE, y + 6.0)], color, 1.5),
-        _ => {
-            if let Some(dashed) = series.style.line() {
-                let points = vec![(x, y), (x + SAMPLE, y)];
-                scene.shapes.push(Shape::Line { points, color, width: 2.0, dashed });
-            }
-            if let Some(mark) = series.style.mark() {
-                scene.shapes.push(Shape::Marks { at: vec![(x + 0.5 * SAMPLE, y)], mark, color });
-            }
-        }
-    }
+    let at = |part: f64, down: f64| (x + part * SAMPLE, y + down);
+    let (points, marks) = match series.style {
+        Style::Band(_) => (vec![at(0.0, -5.0), at(1.0, -5.0), at(0.0, 5.0), at(1.0, 5.0)], Vec::new()),
+        Style::Bars => (vec![at(0.5, 6.0), at(0.5, -6.0)], Vec::new()),
+        _ => (vec![at(0.0, 0.0), at(1.0, 0.0)], vec![at(0.5, 0.0)]),
+    };
+    let everywhere = Frame { left: f64::MIN, right: f64::MAX, top: f64::MIN, bottom: f64::MAX };
+    draw_series(scene, &everywhere, series, (&points, &marks));
 }
 
 impl Series {
@@ -369,7 +343,7 @@ impl Panel {
 }
 
 fn text(at: Point, text: &str, size: f64, anchor: Anchor) -> Text {
-    Text { at, text: text.to_owned(), size, color: Color::Ink, anchor, upwards: false, halo: false }
+    Text { at, text: text.to_owned(), size, color: Color::Ink, anchor, upwards: false }
 }
 
 impl Scene {

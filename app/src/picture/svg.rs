@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use super::font::FAMILIES;
 use super::palette::Color;
-use super::scene::{Anchor, DASHES, HALO, Mark, Point, RADIUS, RING, Scene, Shape, Text};
+use super::scene::{Anchor, DASHES, Mark, Point, RADIUS, RING, Scene, Shape, Text};
 
 /// The picture's text. Colours are attributes, which everything that draws SVG understands; where dark ones are asked
 /// for, a style takes their place.
@@ -19,8 +19,7 @@ pub(super) fn svg(scene: &Scene, title: &str) -> String {
     let [paper, dark_paper] = Color::Paper.hex();
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
-         font-family=\"{FAMILIES}\">\n<title>{}</title>\n<style>\n@media (prefers-color-scheme: dark) {{\n.paper {{ fill: {dark_paper} }}\n\
-         .halo {{ stroke: {dark_paper} }}\n{}}}\n</style>\n<rect class=\"paper\" width=\"{width}\" height=\"{height}\" fill=\"{paper}\"/>\n{body}</svg>\n",
+         font-family=\"{FAMILIES}\">\n<title>{}</title>\n<style>\n@media (prefers-color-scheme: dark) {{\n.paper {{ fill: {dark_paper} }}\n{}}}\n</style>\n<rect class=\"paper\" width=\"{width}\" height=\"{height}\" fill=\"{paper}\"/>\n{body}</svg>\n",
         escape(title),
         dark(scene),
     )
@@ -101,7 +100,7 @@ fn write_points(to: &mut String, points: &[Point]) -> std::fmt::Result {
 
 fn write_text(
     to: &mut String,
-    Text { at: (x, y), text, size, color, anchor, upwards, halo }: &Text,
+    Text { at: (x, y), text, size, color, anchor, upwards }: &Text,
 ) -> std::fmt::Result {
     let anchor = match anchor {
         Anchor::Start => "start",
@@ -113,14 +112,6 @@ fn write_text(
         false => format!("x=\"{x:.1}\" y=\"{y:.1}\""),
     };
     let (letters, text) = (format!("text-anchor=\"{anchor}\" font-size=\"{size}\""), escape(text));
-    if *halo {
-        let paper = Color::Paper.hex()[0];
-        write!(
-            to,
-            "<text {place} class=\"halo\" {letters} fill=\"none\" stroke=\"{paper}\" stroke-width=\"{HALO}\" \
-             stroke-linejoin=\"round\" aria-hidden=\"true\">{text}</text>"
-        )?;
-    }
     let (class, fill) = (class(*color, "fill"), color.hex()[0]);
     writeln!(to, "<text class=\"{class}\" {place} {letters} fill=\"{fill}\">{text}</text>")
 }
