@@ -54,7 +54,7 @@ impl CheckpointStore {
     pub(crate) fn begin(path: &Path, columns: Vec<String>, content: &impl Serialize) -> Result<Self, Error> {
         let path = &followed(path).map_err(|source| FileError::write(path, source))?;
         let name = path.display();
-        let taken = |reason: String| Err(SetupError::new("checkpoint", &name, reason).into());
+        let taken = |reason: String| Err(SetupError::new(reason).into());
         if fs::symlink_metadata(path).is_ok() {
             return taken(match fs::read(path).is_ok_and(|content| content.starts_with(ANY)) {
                 true => format!("{name} exists already: `resume {name}` resumes it"),

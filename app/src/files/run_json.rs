@@ -307,7 +307,7 @@ impl FileOrigin {
             "the run was made with version {version} of the program and steps of `{name}` whose digits differ from those \
              taken here"
         );
-        Err(SetupError::new("system", name, reason))
+        Err(SetupError::new(reason))
     }
 
     /// Says how another one differs.
@@ -325,7 +325,7 @@ impl FileOrigin {
 /// The part of a run that a file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Status {
-    /// Nothing is known.
+    /// Nothing is known: it is about to be put in its place.
     Begun,
     /// The beginning, up to an interruption after this many steps.
     Interrupted(u64),
@@ -403,31 +403,20 @@ impl RunJson {
         self.files.keys().any(|name| place.with_file_name(name).exists())
     }
 
-    /// Tells how much of the run a file holds.
-    pub(super) fn status(&self, path: &Path) -> Option<Status> {
-        let status = self.files.get(&name(path))?;
-        Some(match status.strip_prefix("interrupted after ") {
-            _ if status == COMPLETE => Status::Complete,
-            Some(rest) => rest.split(' ').next()?.parse().map_or(Status::Begun, Status::Interrupted),
-            None => Status::Begun,
-        })
+    /// Tells whether a file holds all of the run.
+    pub(super) fn is_complete(&self, path: &Path) -> bool {
+        self.files.get(&name(path)).is_some_and(|status| status == COMPLETE)
     }
 
-    /// Forgets a file.
-    pub(super) fn forget(&mut self, path: &Path) {
-        self.files.remove(&name(path));
-    }
-
-    /// Sets how much of the run a file holds, and tells whether that is news. What is begun again is as it was.
-    pub(super) fn set(&mut self, path: &Path, status: Status) -> bool {
+    /// Sets how much of the run a file holds.
+    pub(super) fn set(&mut self, path: &Path, status: Status) {
         let steps = self.origin.0.get("steps").and_then(Value::as_u64).unwrap_or(0);
         let words = match status {
-            Status::Begun if self.has(path) => return false,
             Status::Begun => "begun".to_owned(),
             Status::Interrupted(after) => format!("interrupted after {after} of {steps} steps"),
             Status::Complete => COMPLETE.to_owned(),
         };
-        self.files.insert(name(path), words.clone()) != Some(words)
+        self.files.insert(name(path), words);
     }
 }
 
@@ -448,8 +437,8 @@ pub(crate) fn read(path: &Path) -> Result<Option<(FileOrigin, bool)>, FileError>
     std::fs::metadata(path).map_err(|source| FileError::read(path, source))?;
     Ok(match RunJson::beside(path)?.1 {
         Beside::Ours(found) if found.has(path) => {
-            let status = found.status(path);
-            Some((found.origin, status != Some(Status::Complete)))
+            let interrupted = !found.is_complete(path);
+            Some((found.origin, interrupted))
         }
         _ => None,
     })
@@ -496,15 +485,12 @@ mod tests {
         let run = origin.clone();
         let mut json = RunJson::of(origin);
         let (whole, cut) = (Path::new("out/a.csv"), Path::new("out/a.svg"));
-        assert!(json.set(whole, Status::Complete) && json.set(cut, Status::Interrupted(4)));
-        assert!(!json.set(whole, Status::Begun) && !json.set(cut, Status::Interrupted(4)));
+        json.set(whole, Status::Complete);
+        json.set(cut, Status::Interrupted(4));
         let read = RunJson::parse(json.text().as_bytes()).expect("its own text");
         assert_eq!(read, json);
         assert_eq!(read.origin, run);
-        assert_eq!(
-            (read.status(whole), read.status(cut)),
-            (Some(Status::Complete), Some(Status::Interrupted(4)))
-        );
+        assert!(read.is_complete(whole) && read.has(cut) && !read.is_complete(cut));
         assert!(json.text().contains("\"a.svg\": \"interrupted after 4 of 9 steps\""), "{}", json.text());
     }
 
