@@ -60,9 +60,7 @@ impl Page {
     pub fn read(path: &Path) -> Result<Self, Error> {
         let text = std::fs::read_to_string(path).map_err(|source| FileError::read(path, source))?;
         let in_page = text.split_once(DATA[0]).and_then(|(_, rest)| rest.split_once(DATA[1]));
-        let wrong = |error: PageError| {
-            SetupError::new("page", path.display(), error.to_string()).within(path.display())
-        };
+        let wrong = |error: PageError| SetupError::new(error.to_string()).within(path.display());
         Ok(Self::from_json(in_page.map_or(text.as_str(), |(data, _)| data)).map_err(wrong)?)
     }
 

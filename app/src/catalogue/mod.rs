@@ -56,7 +56,7 @@ impl Catalogue {
     pub fn system(&self, name: &str) -> Result<&Entry, SetupError> {
         self.find(name).ok_or_else(|| {
             let hint = suggest::did_you_mean(name, self.0.iter().map(|entry| entry.name.as_str()));
-            SetupError::new("system", name, format!("there is no system `{name}`{hint} (`list` shows all)"))
+            SetupError::new(format!("there is no system `{name}`{hint} (`list` shows all)"))
         })
     }
 

@@ -151,8 +151,7 @@ fn spec(motion: &Motion<'_>, asked: &Members, every: u64) -> Result<EnsembleSpec
         false => asked.spread.clone(),
     };
     let variation = Variation::parse(entry, setup, &spread)?;
-    let too_many =
-        |_| SetupError::new("members", asked.members, format!("{} are too many members", asked.members));
+    let too_many = |_| SetupError::new(format!("{} are too many members", asked.members));
     let members = usize::try_from(asked.members).map_err(too_many)?;
     Ok(EnsembleSpec { members, variation, seed: asked.seed, job: *job, every })
 }
@@ -216,8 +215,7 @@ fn observables(entry: &Entry, asked: &[String]) -> Result<Vec<(String, Observabl
         all.iter().find(|(known, _)| known == name).cloned().ok_or_else(|| {
             let names: Vec<&str> = all.iter().map(|(known, _)| known.as_str()).collect();
             let hint = did_you_mean(name, names.iter().copied());
-            let reason = format!("`{}` has no quantity `{name}`{hint} ({})", entry.name, names.join(", "));
-            SetupError::new("quantity", name, reason)
+            SetupError::new(format!("`{}` has no quantity `{name}`{hint} ({})", entry.name, names.join(", ")))
         })
     };
     asked.iter().map(find).collect()

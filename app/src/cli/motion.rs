@@ -119,7 +119,7 @@ impl ChosenRun {
                 if catalogue.system(asked)?.name != catalogue.system(described)?.name =>
             {
                 let reason = format!("{} describes a run of `{described}`, not of `{asked}`", file.display());
-                return Err(SetupError::new("system", asked, reason));
+                return Err(SetupError::new(reason));
             }
             (Some(system), _) | (None, Some(system)) => system,
             (None, None) => {
@@ -129,7 +129,7 @@ impl ChosenRun {
                      `--config` (`{0} list` shows all)",
                     program()
                 );
-                return Err(SetupError::new("system", "", reason));
+                return Err(SetupError::new(reason));
             }
         };
         catalogue.system(name)
@@ -174,14 +174,14 @@ pub(crate) fn check_scheme(
     let Some((method, classical)) = method.and_then(|method| Some((method, method.classical()?))) else {
         return Ok(());
     };
-    if let Some(order) = order {
+    if order.is_some() {
         let own = classical.order();
         let reason = format!("`--order` composes steps of ours; method {method} has its own order, {own}");
-        return Err(SetupError::new("order", order.number(), reason));
+        return Err(SetupError::new(reason));
     }
-    if let Some(retraction) = retraction {
+    if retraction.is_some() {
         let reason = format!("`--retraction` is for methods of ours; method {method} has none");
-        return Err(SetupError::new("retraction", retraction.name(), reason));
+        return Err(SetupError::new(reason));
     }
     Ok(())
 }
@@ -192,10 +192,9 @@ fn steps(step: f64, duration: f64) -> Result<(u64, Option<String>), SetupError> 
     const MOST: f64 = 9e15;
 
     if !(step.is_finite() && step != 0.0) {
-        let reason = format!("`--step` must be finite and not zero, got {step}");
-        return Err(SetupError::new("step", step, reason));
+        return Err(SetupError::new(format!("`--step` must be finite and not zero, got {step}")));
     }
-    let wrong = |reason: String| Err(SetupError::new("duration", duration, reason));
+    let wrong = |reason: String| Err(SetupError::new(reason));
     if !(duration.is_finite() && duration >= 0.0) {
         return wrong(format!(
             "`--duration` must be finite and not negative, got {duration} (a negative `--step` goes back in time)"

@@ -58,7 +58,7 @@ fn out(arguments: &PlayArguments) -> Result<PathBuf, Error> {
     match (&arguments.out, &arguments.files[..]) {
         (Some(out), _) => Ok(out.clone()),
         (None, [first, ..]) => Ok(first.with_extension("html")),
-        (None, []) => Err(SetupError::new("file", "", "no file: give one with data to be shown").into()),
+        (None, []) => Err(SetupError::new("no file: give one with data to be shown").into()),
     }
 }
 
@@ -92,7 +92,7 @@ fn shown(files: &[PathBuf]) -> Result<Page, Error> {
         }
     }
     let mut page = all.unwrap_or_default();
-    page.check().map_err(|error| SetupError::new("page", "", error.to_string()))?;
+    page.check().map_err(|error| SetupError::new(error.to_string()))?;
     Ok(page)
 }
 

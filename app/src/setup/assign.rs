@@ -38,7 +38,7 @@ impl<'e> Changes<'e> {
                 let example = self.entry.description.state.first().map_or("name", |quantity| quantity.name);
                 let reason =
                     format!("`--set {assignment}` has no `=`; write for example `--set {example}=…`");
-                SetupError::new("set", assignment, reason)
+                SetupError::new(reason)
             })?;
             let (name, value) = (name.trim(), value.trim());
             self.assign(Names::ALL, name, &numbers(name, value)?)?;
@@ -53,13 +53,12 @@ impl<'e> Changes<'e> {
     pub(crate) fn assign(&mut self, which: Names, name: &str, numbers: &[f64]) -> Result<(), SetupError> {
         let target = named(self.entry, which, name)?;
         if let Some(number) = numbers.iter().find(|number| !number.is_finite()) {
-            let reason = format!("`{name}` must be finite, got `{number}`");
-            return Err(SetupError::new(name, number, reason));
+            return Err(SetupError::new(format!("`{name}` must be finite, got `{number}`")));
         }
         let slots = target.slots;
         if numbers.len() != slots.len() {
             let reason = format!("`{name}` takes {}, got {}", count(slots.len()), count(numbers.len()));
-            return Err(SetupError::new(name, format!("{numbers:?}"), reason));
+            return Err(SetupError::new(reason));
         }
         match target.part {
             Part::Parameters => self.setup.parameters[slots].copy_from_slice(numbers),
@@ -95,11 +94,11 @@ impl<'e> Changes<'e> {
         let law = entry.law(&setup);
         let energy = entry.energy(&*entry.system(&setup.parameters), law.as_ref(), (&setup.state, 0.0));
         if !energy.is_finite() {
-            let reason = format!(
+            return Err(SetupError::new(format!(
                 "the energy of the initial state is {energy}: no motion of `{}` starts there",
                 entry.name
-            );
-            return Err(SetupError::new("state", energy, reason).into());
+            ))
+            .into());
         }
         Ok((setup, notes))
     }

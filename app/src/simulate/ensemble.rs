@@ -85,8 +85,7 @@ impl EnsembleSpec {
     /// If not so much can be had.
     pub fn check_room(&self) -> Result<(), SetupError> {
         Vec::<(Setup, Setup)>::new().try_reserve_exact(self.members).map_err(|_| {
-            let reason = format!("there is no memory for {} members", grouped(self.members as u64));
-            SetupError::new("members", self.members, reason)
+            SetupError::new(format!("there is no memory for {} members", grouped(self.members as u64)))
         })
     }
 }
