@@ -183,13 +183,13 @@ impl SetupError {
 
 impl FileError {
     /// A file that cannot be read.
-    pub fn read(path: &Path, source: io::Error) -> Self {
-        Self::Read(path.to_owned(), source)
+    pub fn read(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        |source| Self::Read(path.to_owned(), source)
     }
 
     /// A file that cannot be written.
-    pub fn write(path: &Path, source: io::Error) -> Self {
-        Self::Write(path.to_owned(), source)
+    pub fn write(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        |source| Self::Write(path.to_owned(), source)
     }
 
     /// A file with a content that cannot be used.

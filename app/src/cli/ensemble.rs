@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use super::console::{Console, OutputMode};
 use super::interrupt;
-use super::motion::{Motion, MotionArguments, SchemeArguments, check_scheme, job};
+use super::motion::{Motion, MotionArguments, SchemeArguments, check_scheme};
 use crate::catalogue::quantities::{Component, components};
 use crate::catalogue::suggest::did_you_mean;
 use crate::catalogue::{Catalogue, Entry};
@@ -81,16 +81,12 @@ pub(crate) fn described(
     let EnsembleArguments { scheme, motion, members, spread, seed, quantity, .. } = arguments;
     let entry = catalogue.system(&arguments.system)?;
     check_scheme(scheme.method, scheme.order, scheme.retraction)?;
-    let mut changes = Changes::of(entry);
-    changes.apply(&motion.set)?;
-    let (setup, notes) = changes.clone().finish()?;
-    notes.into_iter().try_for_each(|note| console.note(note))?;
-    let job = job(entry, scheme, Retraction::Cayley, (motion.step, motion.duration), console)?;
-    again.map_or(Ok(()), |made| made.check_digits(entry, &setup, &job))?;
-    let every = arguments.every.unwrap_or(Members::every(job.steps));
+    let described = Motion::of(Changes::of(entry), scheme, Retraction::Cayley, motion, console)?;
+    again.map_or(Ok(()), |made| made.check_digits(entry, &described.setup, &described.job))?;
+    let every = arguments.every.unwrap_or(Members::every(described.job.steps));
     let (spread, quantity) = (spread.clone(), quantity.clone());
     let asked = Members { members: *members, spread, seed: *seed, quantity };
-    execute(&Motion { entry, changes, setup, job }, asked, every, motion, console)
+    execute(&described, asked, every, motion, console)
 }
 
 /// Makes an ensemble about a run, and reports it.
@@ -119,8 +115,15 @@ fn execute(
     };
     let planned = |path: &PathBuf| PlannedFile { what: "the ensemble", path: path.clone(), written: true };
     guard.check_all(&paths.iter().map(planned).collect::<Vec<_>>())?;
-    let summary = moved(entry, setup, &spec, &named, console)?;
-
+    interrupt::listen();
+    let mut progress = console.progress(&entry.name, job.steps, "step");
+    let mut go_on = |index: u64| {
+        progress.show(index);
+        if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let observables: Vec<Observable> = named.iter().map(|(_, observable)| *observable).collect();
+    let summary = ensemble::run(entry, setup, &spec, &observables, &mut go_on)?;
+    drop(progress);
     let (contents, status) = contents(entry, &spec, &named, &summary, &paths)?;
     let written = guard.put(contents, status)?;
     for path in &written.kept {
@@ -181,24 +184,6 @@ fn contents(
         }
     }
     Ok((contents, status))
-}
-
-/// Runs it with its progress; Ctrl-C ends it.
-fn moved(
-    entry: &Entry,
-    setup: &Setup,
-    spec: &EnsembleSpec,
-    named: &[(String, Observable)],
-    console: &Console<'_>,
-) -> Result<EnsembleSummary, Error> {
-    interrupt::listen();
-    let mut progress = console.progress(&entry.name, spec.job.steps, "step");
-    let mut report_progress = |index: u64| {
-        progress.show(index);
-        if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    };
-    let observables: Vec<Observable> = named.iter().map(|(_, observable)| *observable).collect();
-    Ok(ensemble::run(entry, setup, spec, &observables, &mut report_progress)?)
 }
 
 /// The observables asked for, with their names.

@@ -90,25 +90,20 @@ impl ChosenRun {
         let config = file.map(Config::read).transpose()?.unwrap_or_default();
         let entry = self.entry(catalogue, &config)?;
         let mut changes = Changes::of(entry);
-        let mut order = self.scheme.order;
         if let Some(path) = file {
             config.apply(path, &mut changes)?;
-            order = order.or(config.order(path)?);
         }
         let run = config.run;
         let scheme = SchemeArguments {
             retraction: self.scheme.retraction.or(run.retraction),
             method: self.scheme.method.or(run.method),
-            order,
+            order: self.scheme.order.or(run.order),
         };
         let (step, duration) = (self.motion.step.or(run.step), self.motion.duration.or(run.duration));
+        let asked = MotionArguments { step, duration, ..self.motion.clone() };
         // what a file says of a scheme has its default beside a method of the command line that takes none
         check_scheme(scheme.method, self.scheme.order, self.scheme.retraction)?;
-        changes.apply(&self.motion.set)?;
-        let job = job(entry, &scheme, Retraction::Exponential, (step, duration), console)?;
-        let (setup, notes) = changes.clone().finish()?;
-        notes.into_iter().try_for_each(|note| console.note(note))?;
-        Ok((Motion { entry, changes, setup, job }, run))
+        Ok((Motion::of(changes, &scheme, Retraction::Exponential, &asked, console)?, run))
     }
 
     /// The system, by its argument or the file.
@@ -136,27 +131,30 @@ impl ChosenRun {
     }
 }
 
-/// Builds the job from its arguments; notes if the steps do not add up to the duration.
-///
-/// # Errors
-/// If there is no such run.
-pub(crate) fn job(
-    entry: &Entry,
-    scheme: &SchemeArguments,
-    retraction: Retraction,
-    (step, duration): (Option<f64>, Option<f64>),
-    console: &mut Console<'_>,
-) -> Result<Job, Error> {
-    let step = step.unwrap_or(entry.step);
-    let (steps, note) = steps(step, duration.unwrap_or(entry.duration))?;
-    note.into_iter().try_for_each(|note| console.note(note))?;
-    Ok(Job {
-        method: scheme.method.unwrap_or(Method::Standard),
-        retraction: scheme.retraction.unwrap_or_else(|| default_retraction(entry, retraction)),
-        order: scheme.order.unwrap_or(Order::Two),
-        step,
-        steps,
-    })
+impl<'e> Motion<'e> {
+    /// Builds the run that the arguments describe; notes if the steps do not add up to the duration, and all that
+    /// should be known of the setup.
+    ///
+    /// # Errors
+    /// If there is no such run.
+    pub(crate) fn of(
+        mut changes: Changes<'e>,
+        scheme: &SchemeArguments,
+        usual: Retraction,
+        asked: &MotionArguments,
+        console: &mut Console<'_>,
+    ) -> Result<Self, Error> {
+        let entry = changes.entry;
+        changes.apply(&asked.set)?;
+        let step = asked.step.unwrap_or(entry.step);
+        let (steps, note) = steps(step, asked.duration.unwrap_or(entry.duration))?;
+        let method = scheme.method.unwrap_or(Method::Standard);
+        let retraction = scheme.retraction.unwrap_or_else(|| default_retraction(entry, usual));
+        let job = Job { method, retraction, order: scheme.order.unwrap_or(Order::Two), step, steps };
+        let (setup, notes) = changes.clone().finish()?;
+        note.into_iter().chain(notes).try_for_each(|note| console.note(note))?;
+        Ok(Self { entry, changes, setup, job })
+    }
 }
 
 /// This retraction, or where there are no steps with it the first one with which there are.

@@ -65,7 +65,7 @@ fn out(arguments: &PlayArguments) -> Result<PathBuf, Error> {
 /// Describes the origin of the page: the files by their names and checksums.
 fn origin(files: &[PathBuf]) -> Result<FileOrigin, FileError> {
     let described = files.iter().map(|path| {
-        let content = std::fs::read(path).map_err(|source| FileError::read(path, source))?;
+        let content = std::fs::read(path).map_err(FileError::read(path))?;
         let mut file = json!({ "name": path.file_name().unwrap_or_default().to_string_lossy() });
         file["crc32"] = format!("{:08x}", crc32fast::hash(&content)).into();
         if let Some((made, _)) = read(path)? {

@@ -89,9 +89,7 @@ impl OverwriteGuard {
         }
         written().try_for_each(|path| self.check(path))?;
         for path in written().filter(|path| !is_stdout(path) && !is_special(path)) {
-            make_directory_of(
-                &super::path::followed(path).map_err(|source| FileError::write(path, source))?,
-            )?;
+            make_directory_of(&super::path::followed(path).map_err(FileError::write(path))?)?;
             // dropped at once: it can be written
             NewFile::begin(path)?;
         }

@@ -377,7 +377,7 @@ impl RunJson {
             Err(error) if [io::ErrorKind::NotFound, io::ErrorKind::NotADirectory].contains(&error.kind()) => {
                 return Ok((place, Beside::Nothing));
             }
-            Err(source) => return Err(FileError::read(&place, source)),
+            Err(source) => return Err(FileError::read(&place)(source)),
         }
         Ok((place, Self::parse(&text).map_or(Beside::Foreign, Beside::Ours)))
     }
@@ -431,10 +431,10 @@ fn name(path: &Path) -> String {
 /// If it cannot be read.
 pub(crate) fn read(path: &Path) -> Result<Option<(FileOrigin, bool)>, FileError> {
     if path.to_string_lossy().ends_with(".run.json") {
-        let text = std::fs::read(path).map_err(|source| FileError::read(path, source))?;
+        let text = std::fs::read(path).map_err(FileError::read(path))?;
         return Ok(RunJson::parse(&text).map(|found| (found.origin, false)));
     }
-    std::fs::metadata(path).map_err(|source| FileError::read(path, source))?;
+    std::fs::metadata(path).map_err(FileError::read(path))?;
     Ok(match RunJson::beside(path)?.1 {
         Beside::Ours(found) if found.has(path) => {
             let interrupted = !found.is_complete(path);

@@ -14,7 +14,7 @@ use crate::error::{RunError, SetupError};
 /// A system's example with some of its numbers changed.
 #[derive(Clone, Debug)]
 pub(crate) struct Changes<'e> {
-    entry: &'e Entry,
+    pub(crate) entry: &'e Entry,
     setup: Setup,
     /// The numbers of the state that were given.
     given: Vec<bool>,

@@ -42,7 +42,7 @@ pub(crate) struct RunConfig {
     /// The method.
     pub(crate) method: Option<Method>,
     /// The order.
-    pub(crate) order: Option<u32>,
+    pub(crate) order: Option<Order>,
     /// The step, s.
     pub(crate) step: Option<f64>,
     /// How long to run, s.
@@ -59,7 +59,7 @@ impl Config {
     /// # Errors
     /// If it cannot be read, is no TOML, or says what no run has.
     pub(crate) fn read(path: &Path) -> Result<Self, Error> {
-        let text = read_text(path).map_err(|source| FileError::read(path, source))?;
+        let text = read_text(path).map_err(FileError::read(path))?;
         let wrong =
             |error: toml::de::Error| SetupError::new(error.to_string().trim_end()).within(path.display());
         Ok(toml::from_str(&text).map_err(wrong)?)
@@ -83,18 +83,6 @@ impl Config {
             }
         }
         Ok(())
-    }
-
-    /// The order, if the file gives one.
-    ///
-    /// # Errors
-    /// If there are no steps of this order.
-    pub(crate) fn order(&self, path: &Path) -> Result<Option<Order>, SetupError> {
-        let Some(number) = self.run.order else { return Ok(None) };
-        Order::of_number(number).map(Some).ok_or_else(|| {
-            let reason = format!("{}: [run]: order must be 2, 4, 6, 8 or 10, got {number}", path.display());
-            SetupError::new(reason)
-        })
     }
 }
 
@@ -207,7 +195,7 @@ mod tests {
             assert_eq!((config.run.step, config.run.duration), (Some(entry.step), Some(entry.duration)));
             assert_eq!(config.run.method, Some(Method::Standard));
             let path = Path::new("example.toml");
-            assert_eq!(config.order(path).expect("one of ours"), Some(Order::Two));
+            assert_eq!(config.run.order, Some(Order::Two));
             // from other numbers back to the example's
             let expected = entry.example.clone();
             let count =
