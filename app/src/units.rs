@@ -39,6 +39,12 @@ impl fmt::Display for Figures {
     }
 }
 
+/// Finds the least and the greatest of some numbers: infinite ones where there are none.
+pub(crate) fn range(numbers: impl IntoIterator<Item = f64>) -> (f64, f64) {
+    let none = (f64::INFINITY, f64::NEG_INFINITY);
+    numbers.into_iter().fold(none, |(low, high), x| (low.min(x), high.max(x)))
+}
+
 /// Breaks a text between words into lines of at most this width.
 pub(crate) fn wrapped(text: &str, width: usize) -> Vec<String> {
     let options = Options::new(width).break_words(false).word_splitter(WordSplitter::NoHyphenation);

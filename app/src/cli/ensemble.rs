@@ -269,11 +269,7 @@ fn object(
     named: &[(String, Observable)],
     summary: &EnsembleSummary,
 ) -> Value {
-    let mut object = json!({});
-    for (name, value) in Provenance::of_run(entry, setup, &spec.job, spec.every).fields() {
-        object[name] = value;
-    }
-    object["steps"] = json!(spec.job.steps);
+    let mut object = Value::Object(Provenance::of_run(entry, setup, &spec.job, spec.every).fields());
     object["members"] = json!(spec.members);
     object["seed"] = json!(spec.seed);
     object["spread"] = json!(spec.variation.words);

@@ -32,7 +32,9 @@ pub(crate) struct PlayArguments {
 }
 
 pub(crate) fn play(arguments: &PlayArguments, stdout: &mut dyn Write) -> Result<(), Error> {
-    let out = out(arguments)?;
+    // there is a first file: it is required
+    let beside = arguments.files.first().map(|first| first.with_extension("html"));
+    let out = arguments.out.clone().or(beside).unwrap_or_default();
     let mut console = OutputMode::default().on(stdout, is_stdout(&out))?;
     let guard = OverwriteGuard::new(origin(&arguments.files)?, arguments.force);
     let read = arguments.files.iter().map(|path| PlannedFile {
@@ -51,15 +53,6 @@ pub(crate) fn play(arguments: &PlayArguments, stdout: &mut dyn Write) -> Result<
         show(&out, &mut console)?;
     }
     Ok(())
-}
-
-/// Names the page.
-fn out(arguments: &PlayArguments) -> Result<PathBuf, Error> {
-    match (&arguments.out, &arguments.files[..]) {
-        (Some(out), _) => Ok(out.clone()),
-        (None, [first, ..]) => Ok(first.with_extension("html")),
-        (None, []) => Err(SetupError::new("no file: give one with data to be shown").into()),
-    }
 }
 
 /// Describes the origin of the page: the files by their names and checksums.

@@ -58,7 +58,6 @@ pub(super) fn scan(
     console.summary(&written, || {
         let described = |row: &ScanRow| object(entry, &scans, row);
         let mut object = Value::Object(run.fields());
-        object["steps"] = motion.job.steps.into();
         object["runs"] = rows.iter().map(described).collect();
         object
     })?;

@@ -73,19 +73,6 @@ struct RunFiles {
     pictures: Vec<(Kind, PathBuf)>,
 }
 
-impl RunFiles {
-    fn of(entry: &Entry, plan: &Plan) -> Result<Self, Error> {
-        if is_stdout(&plan.out) && plan.plot {
-            return Err(SetupError::new("`--plot` writes pictures: `--out` has to name a directory").into());
-        }
-        let stem = plan.provenance(entry).stem(entry, &plan.job);
-        let place = |extension: &str| file_in(&plan.out, &format!("{stem}.{extension}"));
-        let trajectory = plan.format.map(|format| (format, place(format.extension())));
-        let kinds = if plan.plot { Kind::ALL } else { &[] };
-        Ok(Self { trajectory, pictures: kinds.iter().map(|kind| (*kind, place(kind.extension()))).collect() })
-    }
-}
-
 /// The content of a checkpoint: all that is needed to resume a run.
 #[derive(Debug, Serialize, Deserialize)]
 struct Saved<P = Plan, R = Recorders> {
@@ -310,18 +297,27 @@ fn claimed(
     plan: &Plan,
     checkpoint: Option<&Path>,
 ) -> Result<(RunFiles, OverwriteGuard), Error> {
-    let files = RunFiles::of(entry, plan)?;
+    if is_stdout(&plan.out) && plan.plot {
+        return Err(SetupError::new("`--plot` writes pictures: `--out` has to name a directory").into());
+    }
+    let run = plan.provenance(entry);
+    let stem = run.stem(entry, &plan.job);
+    let place = |extension: &str| file_in(&plan.out, &format!("{stem}.{extension}"));
+    let trajectory = plan.format.map(|format| (format, place(format.extension())));
+    let kinds = if plan.plot { Kind::ALL } else { &[] };
+    let pictures: Vec<_> = kinds.iter().map(|kind| (*kind, place(kind.extension()))).collect();
+
     let file = |what, path: &Path, written| PlannedFile { what, path: path.to_owned(), written };
     let inputs = plan.inputs.iter().map(|path| file("what describes the run", path, false));
     let mut planned: Vec<PlannedFile> = inputs.collect();
     planned.extend(checkpoint.map(|path| file("the checkpoint", path, false)));
     planned.extend(checkpoint.map(|path| file("the checkpoint's rows", &rows_of(path), false)));
-    planned.extend(files.trajectory.iter().map(|(_, path)| file("the trajectory", path, true)));
+    planned.extend(trajectory.iter().map(|(_, path)| file("the trajectory", path, true)));
     planned.extend(plan.html.iter().map(|path| file("the page", path, true)));
-    planned.extend(files.pictures.iter().map(|(_, path)| file("the picture", path, true)));
-    let guard = OverwriteGuard::new(plan.provenance(entry).origin(), plan.force);
+    planned.extend(pictures.iter().map(|(_, path)| file("the picture", path, true)));
+    let guard = OverwriteGuard::new(run.origin(), plan.force);
     guard.check_all(&planned)?;
-    Ok((files, guard))
+    Ok((RunFiles { trajectory, pictures }, guard))
 }
 
 /// Collects what a run is to be resumed with.

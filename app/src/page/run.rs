@@ -4,6 +4,7 @@ use coadjoint::system::{Quantity, Role};
 
 use super::format::{Detail, DetailValue, FORMAT, Page, Plot, Run, Scale, Series, Space};
 use crate::catalogue::plotted::PlottedQuantity;
+use crate::catalogue::quantities::by_key;
 use crate::catalogue::{ControlLaw, Entry, casimir, unit};
 use crate::record::{PageRecorder, PageSamples};
 use crate::scene::{self, Frames, rounded};
@@ -121,7 +122,7 @@ impl Plots<'_> {
                 std::iter::once(turning).chain(moving).collect()
             }
             0 => {
-                let parts = by_unit(quantity);
+                let parts = by_key(quantity.units.iter().copied().zip(0..));
                 let one = |(unit, places): &(&str, Vec<usize>)| {
                     let part = if parts.len() == 1 { String::new() } else { common(&names, places) };
                     plot(&part, unit, series(places))
@@ -171,18 +172,6 @@ impl Plots<'_> {
         }
         plots
     }
-}
-
-/// Lists units, and the components that have them.
-fn by_unit(quantity: &PlottedQuantity) -> Vec<(&'static str, Vec<usize>)> {
-    let mut parts: Vec<(&str, Vec<usize>)> = Vec::new();
-    for (k, unit) in quantity.units.iter().enumerate() {
-        match parts.iter_mut().find(|(known, _)| known == unit) {
-            Some((_, places)) => places.push(k),
-            None => parts.push((unit, vec![k])),
-        }
-    }
-    parts
 }
 
 /// Finds the common beginning of some components' names, or joins them: `v` of `v1` and `v2`.

@@ -27,20 +27,16 @@ pub(super) fn svg(scene: &Scene, title: &str) -> String {
 
 /// Rules for the colours that the picture has.
 fn dark(scene: &Scene) -> String {
-    let mut rules = BTreeSet::new();
-    for shape in &scene.shapes {
-        let (color, properties): (Color, &[&str]) = match shape {
-            Shape::Line { color, .. } => (*color, &["stroke"]),
-            Shape::Marks { mark: Mark::Ring, color, .. } => (*color, &["stroke"]),
-            Shape::Marks { color, .. } | Shape::Area { color, .. } => (*color, &["fill"]),
-            Shape::Text(text) => (text.color, &["fill"]),
+    let rule = |shape: &Shape| {
+        let (color, property) = match shape {
+            Shape::Line { color, .. } | Shape::Marks { mark: Mark::Ring, color, .. } => (*color, "stroke"),
+            Shape::Marks { color, .. } | Shape::Area { color, .. } | Shape::Text(Text { color, .. }) => {
+                (*color, "fill")
+            }
         };
-        for property in properties {
-            let [name, dark] = [class(color, property), color.hex()[1].to_owned()];
-            rules.insert(format!(".{name} {{ {property}: {dark} }}\n"));
-        }
-    }
-    rules.into_iter().collect()
+        format!(".{} {{ {property}: {} }}\n", class(color, property), color.hex()[1])
+    };
+    scene.shapes.iter().map(rule).collect::<BTreeSet<String>>().into_iter().collect()
 }
 
 /// `stroke-rk4`

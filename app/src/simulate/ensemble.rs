@@ -113,7 +113,12 @@ pub fn run(
     let mut moving = if spec.is_side_by_side() {
         EnsembleBackend::SideBySide(Ensemble::new(&*system, members, spec.job.step)?)
     } else {
-        EnsembleBackend::OneByOne(one_by_one(entry, &spec.job, members)?)
+        let member = |(index, (parameters, state)): (usize, (Vec<f64>, Vec<f64>))| {
+            let stepper = stepper(entry, entry.system(&parameters), &spec.job)
+                .map_err(|source| RunError::Member { member: index, source: Box::new(source) })?;
+            Ok(Member { index, stepper, state, failure: None })
+        };
+        EnsembleBackend::OneByOne(members.enumerate().map(member).collect::<Result<_, RunError>>()?)
     };
     let mut spreads = vec![Vec::new(); observables.len()];
     let every = spec.every.max(1);
@@ -154,19 +159,6 @@ struct Member {
     stepper: erased::Stepper,
     state: Vec<f64>,
     failure: Option<Failure>,
-}
-
-fn one_by_one(
-    entry: &Entry,
-    job: &Job,
-    members: impl IntoIterator<Item = (Vec<f64>, Vec<f64>)>,
-) -> Result<Vec<Member>, RunError> {
-    let member = |(index, (parameters, state)): (usize, (Vec<f64>, Vec<f64>))| {
-        let stepper = stepper(entry, entry.system(&parameters), job)
-            .map_err(|source| RunError::Member { member: index, source: Box::new(source) })?;
-        Ok(Member { index, stepper, state, failure: None })
-    };
-    members.into_iter().enumerate().map(member).collect()
 }
 
 impl Member {
