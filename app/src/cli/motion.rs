@@ -9,7 +9,7 @@ use super::program;
 use crate::catalogue::{Catalogue, Entry};
 use crate::error::{Error, SetupError};
 use crate::setup::config::{Config, RunConfig};
-use crate::setup::{Changes, Job, Method, Order, Retraction, Setup};
+use crate::setup::{Changes, Job, Method, MethodParser, Order, Retraction, Setup};
 
 /// The arguments that choose a run, or the file that describes it.
 #[derive(Clone, Debug, Args)]
@@ -35,7 +35,7 @@ pub(crate) struct SchemeArguments {
     ///
     /// Classical methods are there to compare with, by the system's vector field: they have no retraction and an order
     /// of their own, and are not fast; with most of those in stored numbers rotations drift off their group.
-    #[arg(long)]
+    #[arg(long, value_parser = MethodParser)]
     pub(crate) method: Option<Method>,
     /// 2, or 4, 6, 8, 10: symmetric compositions of steps of order 2
     #[arg(long, value_enum)]

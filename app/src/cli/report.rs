@@ -8,7 +8,7 @@ use crate::catalogue::{Entry, casimir};
 use crate::files::{Provenance, invariants};
 use crate::record::{ConservationReport, DriftStats};
 use crate::setup::{Job, Method, Setup, standard};
-use crate::units::{Figures, grouped, magnitude, with_unit, with_unit_behind};
+use crate::units::{figures, grouped, magnitude, with_unit, with_unit_behind};
 
 /// One run's column.
 #[derive(Clone, Debug)]
@@ -103,7 +103,7 @@ pub fn table(entry: &Entry, runs: &[RunSummary]) -> String {
     row("steps", &|run| grouped(run.conservation.steps));
     row("time per step, ns", &|run| run.time_per_step.map_or("–".to_owned(), |time| format!("{time:.0}")));
     row("iterations per step", &|run| format!("{:.2}", run.report.iterations_per_step()));
-    let start = |run: &RunSummary| format!("{:.4}", Figures(run.conservation.energy.initial + 0.0));
+    let start = |run: &RunSummary| figures(run.conservation.energy.initial + 0.0, 4);
     row(&of("energy at the start"), &start);
     let error = match entry.conserves_energy() {
         true => of("largest energy error"),

@@ -60,14 +60,13 @@ fn details(entry: &Entry, heading: &PageHeading<'_>) -> Vec<Detail> {
         };
         details.push(detail(quantity.name, value, unit(quantity)));
     }
-    details.push(detail("scheme", DetailValue::Text(heading.title.clone()), ""));
-    details.push(detail("step", DetailValue::Number(heading.step), "s"));
-    details.push(detail("steps", DetailValue::Number(heading.steps as f64), ""));
-    details.push(detail(
-        "made by",
-        DetailValue::Text(format!("coadjoint {}", env!("CARGO_PKG_VERSION"))),
-        "",
-    ));
+    let made = DetailValue::Text(format!("coadjoint {}", env!("CARGO_PKG_VERSION")));
+    details.extend([
+        detail("scheme", DetailValue::Text(heading.title.clone()), ""),
+        detail("step", DetailValue::Number(heading.step), "s"),
+        detail("steps", DetailValue::Number(heading.steps as f64), ""),
+        detail("made by", made, ""),
+    ]);
     details
 }
 

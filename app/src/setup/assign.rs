@@ -10,6 +10,7 @@ use super::{Setup, check};
 use crate::catalogue::Entry;
 use crate::catalogue::quantities::{Component, components};
 use crate::error::{RunError, SetupError};
+use crate::units::listed;
 
 /// A system's example with some of its numbers changed.
 #[derive(Clone, Debug)]
@@ -130,25 +131,19 @@ fn turn_along(entry: &Entry, setup: &mut Setup, given: &[bool]) -> Vec<String> {
         match &there {
             None => notes.push(format!(
                 "`{name}` stays {}, seen from `{with}`: set it too if it is fixed in space",
-                list(&setup.state[slots])
+                listed(&setup.state[slots])
             )),
             Some(there) if there[slots.clone()] != setup.state[slots.clone()] => {
                 setup.state[slots.clone()].copy_from_slice(&there[slots.clone()]);
                 notes.push(format!(
                     "`{name}` is fixed in space and turns with `{with}`: it is {}",
-                    list(&there[slots])
+                    listed(&there[slots])
                 ));
             }
             Some(_) => {}
         }
     }
     notes
-}
-
-/// Three digits of each.
-fn list(numbers: &[f64]) -> String {
-    let rounded = |x: &f64| ((x * 1e3).round() / 1e3 + 0.0).to_string();
-    numbers.iter().map(rounded).collect::<Vec<_>>().join(",")
 }
 
 /// Notes Casimirs of advected parameters alone that have other values than in the example.
@@ -167,7 +162,7 @@ fn other_casimirs(entry: &Entry, setup: &Setup) -> Vec<String> {
         .filter(|(((_, now), moving), usual)| now == moving && (now - usual).abs() > 1e-9 * usual.abs())
         .map(|((((name, unit), now), _), usual)| {
             let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-            format!("`{name}` is {}{unit}, in the example {}{unit}", list(&[now]), list(&[usual]))
+            format!("`{name}` is {}{unit}, in the example {}{unit}", listed(&[now]), listed(&[usual]))
         })
         .collect()
 }

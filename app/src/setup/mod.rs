@@ -18,6 +18,7 @@ use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 pub(crate) use assign::{Changes, assignments};
+pub(crate) use method::MethodParser;
 pub use method::{Classical, Method};
 pub(crate) use names::Names;
 pub(crate) use scan::Scan;
