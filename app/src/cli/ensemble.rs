@@ -99,7 +99,6 @@ fn execute(
 ) -> Result<(), Error> {
     let Motion { entry, setup, job, .. } = motion;
     let spec = spec(motion, &asked, every)?;
-    spec.check_room()?;
     spec.variation.notes.iter().try_for_each(|note| console.note(note.clone()))?;
     let named = observables(entry, &asked.quantity)?;
     threads::start()?;

@@ -109,25 +109,22 @@ impl ChosenRun {
     /// The system, by its argument or the file.
     fn entry<'c>(&self, catalogue: &'c Catalogue, config: &Config) -> Result<&'c Entry, SetupError> {
         let file = self.config.as_deref().unwrap_or(Path::new(""));
-        let name = match (&self.system, &config.system) {
-            (Some(asked), Some(described))
-                if catalogue.system(asked)?.name != catalogue.system(described)?.name =>
-            {
-                let reason = format!("{} describes a run of `{described}`, not of `{asked}`", file.display());
-                return Err(SetupError::new(reason));
-            }
-            (Some(system), _) | (None, Some(system)) => system,
-            (None, None) => {
-                let example = catalogue.entries().first().map_or("NAME", |entry| &entry.name);
-                let reason = format!(
-                    "no system: name one, as in `{0} run {example}`, or give `system = \"…\"` in a file by \
-                     `--config` (`{0} list` shows all)",
-                    program()
-                );
-                return Err(SetupError::new(reason));
-            }
+        let Some(name) = self.system.as_ref().or(config.system.as_ref()) else {
+            let example = catalogue.entries().first().map_or("NAME", |entry| &entry.name);
+            return Err(SetupError::new(format!(
+                "no system: name one, as in `{0} run {example}`, or give `system = \"…\"` in a file by `--config` \
+                 (`{0} list` shows all)",
+                program()
+            )));
         };
-        catalogue.system(name)
+        let entry = catalogue.system(name)?;
+        match &config.system {
+            Some(described) if catalogue.system(described)?.name != entry.name => {
+                let reason = format!("{} describes a run of `{described}`, not of `{name}`", file.display());
+                Err(SetupError::new(reason))
+            }
+            _ => Ok(entry),
+        }
     }
 }
 

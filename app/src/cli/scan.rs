@@ -100,12 +100,10 @@ fn shown(entry: &Entry, scans: &[Scan], rows: &[ScanRow]) -> String {
         cells.iter().chain([name]).map(|cell| cell.chars().count()).max().unwrap_or(0) + 2
     };
     let mut taken = 0;
-    let fit = columns.iter().map(width).take_while(|width| {
-        taken += width;
+    columns.retain(|column| {
+        taken += width(column);
         taken <= WIDTH + 2
     });
-    let fit = fit.count();
-    columns.truncate(fit);
     let header = columns.iter().map(|(name, _)| name.clone()).collect();
     let line = |i: usize| columns.iter().map(|(_, cells)| cells[i].clone()).collect();
     let table =

@@ -152,17 +152,18 @@ impl Provenance {
 
     /// Lists its fields by their names.
     pub(crate) fn fields(&self) -> Map<String, Value> {
-        // its maps have texts for keys
-        object(serde_json::to_value(self).unwrap_or_default())
+        match serde_json::to_value(self) {
+            Ok(Value::Object(fields)) => fields,
+            // its maps have texts for keys
+            _ => Map::new(),
+        }
     }
 
     /// Names the files of the run: `heavy_top-midpoint-order4-cayley` with the example's numbers, step and
     /// duration; with others followed by a checksum of them all: `heavy_top-cayley-3fa9c1`.
     pub fn stem(&self, entry: &Entry, job: &Job) -> String {
         let mut stem = entry.name.clone();
-        let side_by_side =
-            (job.method, job.retraction, job.order) == (Method::Standard, Retraction::Cayley, Order::Two);
-        if self.ensemble.is_none() || !side_by_side {
+        if self.ensemble.is_none() || !job.is_side_by_side() {
             if job.method != Method::Standard {
                 stem += &format!("-{}", job.method.stem());
             }
@@ -229,14 +230,6 @@ pub(crate) fn digest(entry: &Entry, setup: &Setup, job: &Job) -> u32 {
     hasher.finalize()
 }
 
-/// Takes the fields of what is an object.
-fn object(value: Value) -> Map<String, Value> {
-    match value {
-        Value::Object(fields) => fields,
-        _ => Map::new(),
-    }
-}
-
 pub(crate) fn by_name(quantities: &[Quantity], values: &[impl Serialize]) -> Map<String, Value> {
     let named = Quantity::with_ranges(quantities).map(|(quantity, slots)| {
         let value = match &values[slots] {
@@ -255,7 +248,8 @@ pub struct FileOrigin(Map<String, Value>);
 impl FileOrigin {
     /// Describes a command, as it can be typed again behind the program's name: `figures 6.2`.
     pub fn of_command(command: &str) -> Self {
-        Self(object(json!({ "program": PROGRAM, "version": env!("CARGO_PKG_VERSION"), "command": command })))
+        let origin = Self(Map::new()).with("program", PROGRAM.into());
+        origin.with("version", env!("CARGO_PKG_VERSION").into()).with("command", command.into())
     }
 
     /// Adds one more thing to know of it.

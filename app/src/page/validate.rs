@@ -140,10 +140,9 @@ fn moments(place: &str, time: &[f64]) -> Result<(), PageError> {
     let backwards = time.last() < time.first();
     let wrong_way =
         time.windows(2).position(|pair| if backwards { pair[1] >= pair[0] } else { pair[1] <= pair[0] });
-    match wrong_way {
-        Some(k) => wrong(&format!("{place}[{}]", k + 1), "moments must follow each other in one direction"),
-        None => Ok(()),
-    }
+    wrong_way.map_or(Ok(()), |k| {
+        wrong(&format!("{place}[{}]", k + 1), "moments must follow each other in one direction")
+    })
 }
 
 /// Checks a track of `N` numbers, and each of them by what is to be done `then`.
@@ -176,10 +175,8 @@ fn normalise(place: &str, quaternion: &mut [f64]) -> Result<(), PageError> {
 }
 
 fn vector<'a>(place: &str, numbers: impl IntoIterator<Item = &'a f64>) -> Result<(), PageError> {
-    match numbers.into_iter().find(|number| !number.is_finite()) {
-        Some(number) => wrong(place, format!("{number} is not finite")),
-        None => Ok(()),
-    }
+    let infinite = numbers.into_iter().find(|number| !number.is_finite());
+    infinite.map_or(Ok(()), |number| wrong(place, format!("{number} is not finite")))
 }
 
 fn as_many(place: &str, count: usize, moment_count: usize) -> Result<(), PageError> {

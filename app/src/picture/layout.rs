@@ -6,6 +6,7 @@ use super::font;
 use super::palette::Color;
 use super::scene::{Anchor, Point, Scene, Shape, Text};
 use super::{Figure, Key, Panel, Series, Style};
+use crate::units::range;
 
 /// Sizes of letters.
 const TITLE: f64 = 17.0;
@@ -59,8 +60,7 @@ pub(super) fn scene(figure: &Figure) -> Scene {
     if figure.key == Key::Above {
         // a panel's only series is what its axis says
         let panels = figure.panels.iter().filter(|panel| panel.has_key() || figure.panels.len() == 1);
-        let all: Vec<&Series> = panels.flat_map(|panel| &panel.series).collect();
-        y = key_in_lines(&mut scene, &all, y);
+        y = key_in_lines(&mut scene, &named(panels.flat_map(|panel| &panel.series)), y);
     }
     let mut panels = placed.iter();
     for (above, below) in down {
@@ -81,20 +81,19 @@ pub(super) fn scene(figure: &Figure) -> Scene {
 /// The panels with their axes; those that share an axis have the same.
 fn placed(figure: &Figure, columns: usize) -> Vec<Placed<'_>> {
     let mut placed: Vec<Placed<'_>> = figure.panels.iter().map(|panel| panel.placed(figure.cell)).collect();
-    let union = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
     let (horizontal, vertical): (Vec<_>, Vec<_>) =
         placed.iter().map(|placed| (placed.horizontal.ends, placed.vertical.ends)).unzip();
+    let ends = |(low, high): (f64, f64)| [low, high];
     let count = placed.len();
     for (i, panel) in placed.iter_mut().enumerate() {
         if figure.shared.0 {
             let column = (0..count).filter(|k| k % columns == i % columns);
-            panel.horizontal =
-                panel.horizontal.over(column.map(|k| horizontal[k]).fold(horizontal[i], union));
+            panel.horizontal = panel.horizontal.over(range(column.flat_map(|k| ends(horizontal[k]))));
             panel.is_labelled.0 = i + columns >= count;
         }
         if figure.shared.1 {
             let row = (0..count).filter(|k| k / columns == i / columns);
-            panel.vertical = panel.vertical.over(row.map(|k| vertical[k]).fold(vertical[i], union));
+            panel.vertical = panel.vertical.over(range(row.flat_map(|k| ends(vertical[k]))));
             panel.is_labelled.1 = i % columns == 0;
         }
     }
@@ -118,6 +117,10 @@ impl Panel {
             vertical = about(&vertical, unit * height);
         }
         Placed { panel: self, horizontal, vertical, is_labelled: (true, true) }
+    }
+
+    fn has_key(&self) -> bool {
+        self.series.iter().filter(|series| !series.label.is_empty()).count() > 1
     }
 
     fn has_marks(&self) -> bool {
@@ -263,9 +266,9 @@ fn draw_series(scene: &mut Scene, frame: &Frame, series: &Series, (points, marks
 }
 
 /// Series with a name, each name once.
-fn named<'a>(series: &[&'a Series]) -> Vec<&'a Series> {
+fn named<'a>(series: impl Iterator<Item = &'a Series>) -> Vec<&'a Series> {
     let mut named: Vec<&Series> = Vec::new();
-    for series in series.iter().filter(|series| !series.label.is_empty()) {
+    for series in series.filter(|series| !series.label.is_empty()) {
         if named.iter().all(|known| known.label != series.label) {
             named.push(series);
         }
@@ -274,12 +277,11 @@ fn named<'a>(series: &[&'a Series]) -> Vec<&'a Series> {
 }
 
 /// Every name once with how its series look, in lines from `y` on; the answer is where the last one ends.
-fn key_in_lines(scene: &mut Scene, series: &[&Series], mut y: f64) -> f64 {
+fn key_in_lines(scene: &mut Scene, named: &[&Series], mut y: f64) -> f64 {
     const APART: f64 = 22.0;
-    let named = named(series);
     let length = |series: &Series| SAMPLE + GAP + font::width(&series.label, SMALL) + APART;
     let room = scene.width - 2.0 * EDGE;
-    let mut rest = named.as_slice();
+    let mut rest = named;
     while !rest.is_empty() {
         let mut total = 0.0;
         let fits = rest.iter().take_while(|series| {
@@ -308,9 +310,8 @@ fn key_in_lines(scene: &mut Scene, series: &[&Series], mut y: f64) -> f64 {
 
 /// In one line, to the right above a frame.
 fn key_right(scene: &mut Scene, series: &[Series], frame: &Frame) {
-    let all: Vec<&Series> = series.iter().collect();
     let mut x = frame.right;
-    for series in named(&all).into_iter().rev() {
+    for series in named(series.iter()).into_iter().rev() {
         scene.text((x, frame.top - GAP), &series.label, SMALL, Anchor::End);
         x -= font::width(&series.label, SMALL) + GAP + SAMPLE;
         sample(scene, series, (x, frame.top - GAP - 0.35 * SMALL));
@@ -333,12 +334,6 @@ fn sample(scene: &mut Scene, series: &Series, (x, y): Point) {
 impl Series {
     fn is_band(&self) -> bool {
         matches!(self.style, Style::Band(_))
-    }
-}
-
-impl Panel {
-    fn has_key(&self) -> bool {
-        self.series.iter().filter(|series| !series.label.is_empty()).count() > 1
     }
 }
 

@@ -47,36 +47,28 @@ fn class(color: Color, property: &str) -> String {
 fn write_shape(to: &mut String, shape: &Shape) -> std::fmt::Result {
     match shape {
         Shape::Line { points, color, width, dashed } => {
-            write!(to, "<polyline class=\"{}\" points=\"", class(*color, "stroke"))?;
-            write_points(to, points)?;
-            write!(to, "\" fill=\"none\" stroke=\"{}\" stroke-width=\"{width}\"", color.hex()[0])?;
+            let (class, points, hex) = (class(*color, "stroke"), pairs(points), color.hex()[0]);
+            write!(to, "<polyline class=\"{class}\" points=\"{points}\" fill=\"none\"")?;
+            write!(to, " stroke=\"{hex}\" stroke-width=\"{width}\"")?;
             if *dashed {
                 write!(to, " stroke-dasharray=\"{} {}\"", DASHES[0], DASHES[1])?;
             }
             writeln!(to, " stroke-linejoin=\"round\"/>")
         }
         Shape::Area { points, color, opacity } => {
-            write!(to, "<polygon class=\"{}\" points=\"", class(*color, "fill"))?;
-            write_points(to, points)?;
-            writeln!(to, "\" fill=\"{}\" fill-opacity=\"{opacity}\"/>", color.hex()[0])
+            let (class, points, hex) = (class(*color, "fill"), pairs(points), color.hex()[0]);
+            write!(to, "<polygon class=\"{class}\" points=\"{points}\"")?;
+            writeln!(to, " fill=\"{hex}\" fill-opacity=\"{opacity}\"/>")
         }
         Shape::Marks { at, mark, color } => {
-            let hex = color.hex()[0];
-            let radius = match mark {
-                Mark::Dot => {
-                    writeln!(to, "<g class=\"{}\" fill=\"{hex}\">", class(*color, "fill"))?;
-                    RADIUS
-                }
-                Mark::Ring => {
-                    let name = class(*color, "stroke");
-                    writeln!(
-                        to,
-                        "<g class=\"{name}\" fill=\"none\" stroke=\"{hex}\" stroke-width=\"{}\">",
-                        RING.1
-                    )?;
-                    RING.0
-                }
+            let (property, radius) = match mark {
+                Mark::Dot => ("fill", RADIUS),
+                Mark::Ring => ("stroke", RING.0),
             };
+            let line = format!(" fill=\"none\" stroke-width=\"{}\"", RING.1);
+            let line = if *mark == Mark::Ring { &line } else { "" };
+            let (class, hex) = (class(*color, property), color.hex()[0]);
+            writeln!(to, "<g class=\"{class}\" {property}=\"{hex}\"{line}>")?;
             for (x, y) in at {
                 writeln!(to, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\"/>")?;
             }
@@ -86,12 +78,8 @@ fn write_shape(to: &mut String, shape: &Shape) -> std::fmt::Result {
     }
 }
 
-fn write_points(to: &mut String, points: &[Point]) -> std::fmt::Result {
-    for (k, (x, y)) in points.iter().enumerate() {
-        let space = if k > 0 { " " } else { "" };
-        write!(to, "{space}{x:.1},{y:.1}")?;
-    }
-    Ok(())
+fn pairs(points: &[Point]) -> String {
+    points.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect::<Vec<_>>().join(" ")
 }
 
 fn write_text(

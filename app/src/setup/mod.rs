@@ -141,6 +141,12 @@ pub struct Job {
 }
 
 impl Job {
+    /// Tells whether members of an ensemble are stepped side by side, in the processor's registers: with the standard
+    /// step of order 2 on the Cayley map.
+    pub fn is_side_by_side(&self) -> bool {
+        (self.method, self.retraction, self.order) == (Method::Standard, Retraction::Cayley, Order::Two)
+    }
+
     /// Tells the order of its step.
     pub fn order_of_step(&self, entry: &Entry) -> u32 {
         match self.method {

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::stepper;
 use crate::catalogue::{ControlLaw, Entry, Setup};
 use crate::error::{RunError, SetupError};
-use crate::setup::{Job, Method, Order, Retraction};
+use crate::setup::Job;
 pub use crate::setup::{SampledRange, Variation};
 use crate::units::grouped;
 
@@ -71,25 +71,6 @@ pub struct EnsembleSummary {
     pub seconds: f64,
 }
 
-impl EnsembleSpec {
-    /// Tells whether members are stepped side by side in the processor's registers: with the standard step of order 2
-    /// on the Cayley map.
-    pub fn is_side_by_side(&self) -> bool {
-        let Job { method, retraction, order, .. } = self.job;
-        (method, retraction, order) == (Method::Standard, Retraction::Cayley, Order::Two)
-    }
-
-    /// Checks that there is memory for the members.
-    ///
-    /// # Errors
-    /// If not so much can be had.
-    pub fn check_room(&self) -> Result<(), SetupError> {
-        Vec::<(Setup, Setup)>::new().try_reserve_exact(self.members).map_err(|_| {
-            SetupError::new(format!("there is no memory for {} members", grouped(self.members as u64)))
-        })
-    }
-}
-
 /// Runs an ensemble with the controls of the setup. The callback may end the run.
 ///
 /// # Errors
@@ -101,7 +82,9 @@ pub fn run(
     observables: &[Observable],
     progress: &mut ProgressFn<'_>,
 ) -> Result<EnsembleSummary, RunError> {
-    spec.check_room()?;
+    Vec::<(Setup, Setup)>::new().try_reserve_exact(spec.members).map_err(|_| {
+        SetupError::new(format!("there is no memory for {} members", grouped(spec.members as u64)))
+    })?;
     let mut ranges = spec.variation.ranges(entry, setup);
     let mut laws: Vec<ControlLaw> = Vec::new();
     let members = (0..spec.members).map(|member| {
@@ -110,7 +93,7 @@ pub fn run(
         (own.parameters, own.state)
     });
     let system = entry.system(&setup.parameters);
-    let mut moving = if spec.is_side_by_side() {
+    let mut moving = if spec.job.is_side_by_side() {
         EnsembleBackend::SideBySide(Ensemble::new(&*system, members, spec.job.step)?)
     } else {
         let member = |(index, (parameters, state)): (usize, (Vec<f64>, Vec<f64>))| {
@@ -230,6 +213,7 @@ impl EnsembleBackend {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::setup::{Method, Order, Retraction};
     use crate::tests::catalogue;
 
     #[test]
