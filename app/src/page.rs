@@ -69,10 +69,10 @@ impl Page {
         for run in &mut self.runs {
             name_run(run, &self.time, &self.subtitle);
         }
-        self.runs.extend(other.runs.into_iter().map(|mut run| {
+        for mut run in other.runs {
             name_run(&mut run, &other.time, &other.subtitle);
-            run
-        }));
+            self.runs.push(run);
+        }
     }
 }
 

@@ -99,6 +99,8 @@ fn execute(
 ) -> Result<(), Error> {
     let Motion { entry, setup, job, .. } = motion;
     let spec = spec(motion, &asked, every)?;
+    // before files are looked at
+    spec.check_room()?;
     spec.variation.notes.iter().try_for_each(|note| console.note(note.clone()))?;
     let named = observables(entry, &asked.quantity)?;
     threads::start()?;
@@ -153,8 +155,7 @@ fn spec(motion: &Motion<'_>, asked: &Members, every: u64) -> Result<EnsembleSpec
         false => asked.spread.clone(),
     };
     let variation = Variation::parse(entry, setup, &spread)?;
-    let too_many = |_| SetupError::new(format!("{} are too many members", asked.members));
-    let members = usize::try_from(asked.members).map_err(too_many)?;
+    let members = usize::try_from(asked.members).unwrap_or(usize::MAX);
     Ok(EnsembleSpec { members, variation, seed: asked.seed, job: *job, every })
 }
 

@@ -71,6 +71,18 @@ pub struct EnsembleSummary {
     pub seconds: f64,
 }
 
+impl EnsembleSpec {
+    /// Checks that there is memory for the members.
+    ///
+    /// # Errors
+    /// If not so much can be had.
+    pub fn check_room(&self) -> Result<(), SetupError> {
+        Vec::<(Setup, Setup)>::new().try_reserve_exact(self.members).map_err(|_| {
+            SetupError::new(format!("there is no memory for {} members", grouped(self.members as u64)))
+        })
+    }
+}
+
 /// Runs an ensemble with the controls of the setup. The callback may end the run.
 ///
 /// # Errors
@@ -82,9 +94,7 @@ pub fn run(
     observables: &[Observable],
     progress: &mut ProgressFn<'_>,
 ) -> Result<EnsembleSummary, RunError> {
-    Vec::<(Setup, Setup)>::new().try_reserve_exact(spec.members).map_err(|_| {
-        SetupError::new(format!("there is no memory for {} members", grouped(spec.members as u64)))
-    })?;
+    spec.check_room()?;
     let mut ranges = spec.variation.ranges(entry, setup);
     let mut laws: Vec<ControlLaw> = Vec::new();
     let members = (0..spec.members).map(|member| {
