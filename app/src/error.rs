@@ -52,18 +52,10 @@ pub enum Error {
     Command(Box<dyn std::error::Error + Send + Sync>),
 }
 
-/// A value that a setting cannot have.
+/// A setting that no run can have: says which it is, and what would be right.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("{reason}")]
-#[non_exhaustive]
-pub struct SetupError {
-    /// The setting: `--step`, `weight`.
-    pub field: String,
-    /// The value it was given.
-    pub value: String,
-    /// The mistake, and what would be right.
-    pub reason: String,
-}
+#[error("{0}")]
+pub struct SetupError(String);
 
 /// A file that cannot be used.
 #[derive(Debug, Error)]
@@ -177,27 +169,27 @@ impl From<ParameterError> for RunError {
 }
 
 impl SetupError {
-    /// Says what is wrong with a setting's value.
-    pub fn new(field: impl Into<String>, value: impl fmt::Display, reason: impl Into<String>) -> Self {
-        Self { field: field.into(), value: value.to_string(), reason: reason.into() }
+    /// Says what is wrong with a setting.
+    pub fn new(reason: impl Into<String>) -> Self {
+        Self(reason.into())
     }
 
     /// Says where the setting stands.
     #[must_use]
     pub(crate) fn within(self, place: impl fmt::Display) -> Self {
-        Self { reason: format!("{place}: {}", self.reason), ..self }
+        Self(format!("{place}: {}", self.0))
     }
 }
 
 impl FileError {
     /// A file that cannot be read.
-    pub fn read(path: &Path, source: io::Error) -> Self {
-        Self::Read(path.to_owned(), source)
+    pub fn read(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        |source| Self::Read(path.to_owned(), source)
     }
 
     /// A file that cannot be written.
-    pub fn write(path: &Path, source: io::Error) -> Self {
-        Self::Write(path.to_owned(), source)
+    pub fn write(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        |source| Self::Write(path.to_owned(), source)
     }
 
     /// A file with a content that cannot be used.

@@ -72,7 +72,7 @@ pub mod files;
 pub mod cli;
 
 #[cfg(all(test, feature = "program"))]
-mod test_systems;
+mod tests;
 
 pub use catalogue::{Example, shape};
 #[cfg(feature = "program")]

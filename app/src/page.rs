@@ -58,11 +58,9 @@ impl Page {
     /// # Errors
     /// If there is no such file, or it is no page; the message names the place.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let text = std::fs::read_to_string(path).map_err(|source| FileError::read(path, source))?;
+        let text = std::fs::read_to_string(path).map_err(FileError::read(path))?;
         let in_page = text.split_once(DATA[0]).and_then(|(_, rest)| rest.split_once(DATA[1]));
-        let wrong = |error: PageError| {
-            SetupError::new("page", path.display(), error.to_string()).within(path.display())
-        };
+        let wrong = |error: PageError| SetupError::new(error.to_string()).within(path.display());
         Ok(Self::from_json(in_page.map_or(text.as_str(), |(data, _)| data)).map_err(wrong)?)
     }
 
@@ -71,10 +69,10 @@ impl Page {
         for run in &mut self.runs {
             name_run(run, &self.time, &self.subtitle);
         }
-        self.runs.extend(other.runs.into_iter().map(|mut run| {
+        for mut run in other.runs {
             name_run(&mut run, &other.time, &other.subtitle);
-            run
-        }));
+            self.runs.push(run);
+        }
     }
 }
 

@@ -1,7 +1,5 @@
 //! Numbers and their units, as people read them.
 
-use std::fmt;
-
 use indicatif::HumanCount;
 use textwrap::{Options, WordSplitter};
 
@@ -20,23 +18,21 @@ pub fn grouped(number: u64) -> String {
     HumanCount(number).to_string()
 }
 
-/// A number with some digits behind the first, written out where that is short.
-pub(crate) struct Figures(pub(crate) f64);
-
-impl fmt::Display for Figures {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let digits = f.precision().unwrap_or(2);
-        let exponent = self.0.abs().log10().floor();
-        if self.0 == 0.0 || (-2.0..5.0).contains(&exponent) {
-            let behind = (digits as f64 - exponent.max(-2.0)).clamp(0.0, 9.0);
-            let text = format!("{:.*}", if self.0 == 0.0 { 0 } else { behind as usize }, self.0);
-            let short =
-                if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-            f.write_str(short)
-        } else {
-            write!(f, "{:.digits$e}", self.0)
-        }
+/// Writes a number with some digits behind the first, in full where that is short.
+pub(crate) fn figures(value: f64, digits: usize) -> String {
+    let exponent = value.abs().log10().floor();
+    if value != 0.0 && !(-2.0..5.0).contains(&exponent) {
+        return format!("{value:.digits$e}");
     }
+    let behind = if value == 0.0 { 0.0 } else { (digits as f64 - exponent.max(-2.0)).clamp(0.0, 9.0) };
+    let text = format!("{value:.*}", behind as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// Finds the least and the greatest of some numbers: infinite ones where there are none.
+pub(crate) fn range(numbers: impl IntoIterator<Item = f64>) -> (f64, f64) {
+    let none = (f64::INFINITY, f64::NEG_INFINITY);
+    numbers.into_iter().fold(none, |(low, high), x| (low.min(x), high.max(x)))
 }
 
 /// Breaks a text between words into lines of at most this width.
@@ -50,7 +46,14 @@ pub(crate) fn wrapped(text: &str, width: usize) -> Vec<String> {
 
 /// Writes six digits, without zeros at the end.
 pub(crate) fn short(value: f64) -> String {
-    format!("{:.5}", Figures(value))
+    figures(value, 5)
+}
+
+/// Writes numbers to three digits behind the point: `0.5,0.866`.
+pub(crate) fn listed(numbers: &[f64]) -> String {
+    // adding zero leaves no −0
+    let rounded = |x: &f64| ((x * 1e3).round() / 1e3 + 0.0).to_string();
+    numbers.iter().map(rounded).collect::<Vec<_>>().join(",")
 }
 
 /// Writes all digits: `0.01`, but `2e-9`.
@@ -98,7 +101,7 @@ mod tests {
             (-9.965_011e9, "-9.9650e9"),
             (1e-7, "1.0000e-7"),
         ] {
-            assert_eq!(format!("{:.4}", Figures(number)), text);
+            assert_eq!(figures(number, 4), text);
         }
         assert_eq!(wrapped("one two three, four", 9), ["one two", "three,", "four"]);
         assert_eq!(wrapped("longer-than-that", 3), ["longer-than-that"]);

@@ -11,8 +11,9 @@ use super::console::OutputMode;
 use crate::catalogue::Catalogue;
 use crate::catalogue::casimir::symbols;
 use crate::error::Error;
-use crate::setup::{Method, Retraction};
+use crate::setup::{Method, MethodParser, Retraction};
 use crate::simulate::{self, has_method, states_in_motion};
+use crate::units::listed;
 
 /// The arguments of `certify`.
 #[derive(Debug, Args)]
@@ -20,7 +21,7 @@ pub(crate) struct CertifyArguments {
     /// The system; `list` shows all
     pub(crate) system: String,
     /// Only this method [default: the standard one and the midpoint]
-    #[arg(long)]
+    #[arg(long, value_parser = MethodParser)]
     pub(crate) method: Option<Method>,
     /// Only the steps built on this map; `exp` and `cay` for short
     #[arg(long, value_enum)]
@@ -126,9 +127,7 @@ fn legend(reports: &[Report]) -> Vec<String> {
 /// A state as `--set` takes it, to three digits.
 fn assignments(quantities: &[Quantity], state: &[f64]) -> String {
     let quantity = |(quantity, slots): (&Quantity, std::ops::Range<usize>)| {
-        // adding zero leaves no −0
-        let rounded = |x: &f64| ((x * 1e3).round() / 1e3 + 0.0).to_string();
-        format!("{}={}", quantity.name, state[slots].iter().map(rounded).collect::<Vec<_>>().join(","))
+        format!("{}={}", quantity.name, listed(&state[slots]))
     };
     Quantity::with_ranges(quantities).map(quantity).collect::<Vec<_>>().join(" ")
 }
@@ -136,7 +135,7 @@ fn assignments(quantities: &[Quantity], state: &[f64]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_systems::catalogue;
+    use crate::tests::catalogue;
 
     #[test]
     fn every_row_is_explained_in_a_line() {

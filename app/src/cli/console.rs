@@ -40,7 +40,7 @@ impl OutputMode {
     pub fn on<'a>(&self, stdout: &'a mut dyn Write, is_taken: bool) -> Result<Console<'a>, Error> {
         if self.json && is_taken {
             let reason = "`--json` prints a summary, `--out -` data: standard output takes one of them";
-            return Err(SetupError::new("json", "", reason).into());
+            return Err(SetupError::new(reason).into());
         }
         let (stderr, nowhere) = (io::stderr(), io::sink());
         Ok(Console { stdout, stderr, nowhere, mode: *self, is_taken, notes: Vec::new() })

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use super::console::{Console, OutputMode};
 use super::interrupt;
-use super::motion::{Motion, MotionArguments, SchemeArguments, check_scheme, job};
+use super::motion::{Motion, MotionArguments, SchemeArguments, check_scheme};
 use crate::catalogue::quantities::{Component, components};
 use crate::catalogue::suggest::did_you_mean;
 use crate::catalogue::{Catalogue, Entry};
@@ -81,16 +81,12 @@ pub(crate) fn described(
     let EnsembleArguments { scheme, motion, members, spread, seed, quantity, .. } = arguments;
     let entry = catalogue.system(&arguments.system)?;
     check_scheme(scheme.method, scheme.order, scheme.retraction)?;
-    let mut changes = Changes::of(entry);
-    changes.apply(&motion.set)?;
-    let (setup, notes) = changes.clone().finish()?;
-    notes.into_iter().try_for_each(|note| console.note(note))?;
-    let job = job(entry, scheme, Retraction::Cayley, (motion.step, motion.duration), console)?;
-    again.map_or(Ok(()), |made| made.check_digits(entry, &setup, &job))?;
-    let every = arguments.every.unwrap_or(Members::every(job.steps));
+    let described = Motion::of(Changes::of(entry), scheme, Retraction::Cayley, motion, console)?;
+    again.map_or(Ok(()), |made| made.check_digits(entry, &described.setup, &described.job))?;
+    let every = arguments.every.unwrap_or(Members::every(described.job.steps));
     let (spread, quantity) = (spread.clone(), quantity.clone());
     let asked = Members { members: *members, spread, seed: *seed, quantity };
-    execute(&Motion { entry, changes, setup, job }, asked, every, motion, console)
+    execute(&described, asked, every, motion, console)
 }
 
 /// Makes an ensemble about a run, and reports it.
@@ -103,6 +99,7 @@ fn execute(
 ) -> Result<(), Error> {
     let Motion { entry, setup, job, .. } = motion;
     let spec = spec(motion, &asked, every)?;
+    // before files are looked at
     spec.check_room()?;
     spec.variation.notes.iter().try_for_each(|note| console.note(note.clone()))?;
     let named = observables(entry, &asked.quantity)?;
@@ -119,8 +116,15 @@ fn execute(
     };
     let planned = |path: &PathBuf| PlannedFile { what: "the ensemble", path: path.clone(), written: true };
     guard.check_all(&paths.iter().map(planned).collect::<Vec<_>>())?;
-    let summary = moved(entry, setup, &spec, &named, console)?;
-
+    interrupt::listen();
+    let mut progress = console.progress(&entry.name, job.steps, "step");
+    let mut go_on = |index: u64| {
+        progress.show(index);
+        if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let observables: Vec<Observable> = named.iter().map(|(_, observable)| *observable).collect();
+    let summary = ensemble::run(entry, setup, &spec, &observables, &mut go_on)?;
+    drop(progress);
     let (contents, status) = contents(entry, &spec, &named, &summary, &paths)?;
     let written = guard.put(contents, status)?;
     for path in &written.kept {
@@ -151,9 +155,7 @@ fn spec(motion: &Motion<'_>, asked: &Members, every: u64) -> Result<EnsembleSpec
         false => asked.spread.clone(),
     };
     let variation = Variation::parse(entry, setup, &spread)?;
-    let too_many =
-        |_| SetupError::new("members", asked.members, format!("{} are too many members", asked.members));
-    let members = usize::try_from(asked.members).map_err(too_many)?;
+    let members = usize::try_from(asked.members).unwrap_or(usize::MAX);
     Ok(EnsembleSpec { members, variation, seed: asked.seed, job: *job, every })
 }
 
@@ -184,24 +186,6 @@ fn contents(
     Ok((contents, status))
 }
 
-/// Runs it with its progress; Ctrl-C ends it.
-fn moved(
-    entry: &Entry,
-    setup: &Setup,
-    spec: &EnsembleSpec,
-    named: &[(String, Observable)],
-    console: &Console<'_>,
-) -> Result<EnsembleSummary, Error> {
-    interrupt::listen();
-    let mut progress = console.progress(&entry.name, spec.job.steps, "step");
-    let mut report_progress = |index: u64| {
-        progress.show(index);
-        if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    };
-    let observables: Vec<Observable> = named.iter().map(|(_, observable)| *observable).collect();
-    Ok(ensemble::run(entry, setup, spec, &observables, &mut report_progress)?)
-}
-
 /// The observables asked for, with their names.
 fn observables(entry: &Entry, asked: &[String]) -> Result<Vec<(String, Observable)>, SetupError> {
     let of = |component: Component| (component.name, Observable::State(component.slot));
@@ -216,8 +200,7 @@ fn observables(entry: &Entry, asked: &[String]) -> Result<Vec<(String, Observabl
         all.iter().find(|(known, _)| known == name).cloned().ok_or_else(|| {
             let names: Vec<&str> = all.iter().map(|(known, _)| known.as_str()).collect();
             let hint = did_you_mean(name, names.iter().copied());
-            let reason = format!("`{}` has no quantity `{name}`{hint} ({})", entry.name, names.join(", "));
-            SetupError::new("quantity", name, reason)
+            SetupError::new(format!("`{}` has no quantity `{name}`{hint} ({})", entry.name, names.join(", ")))
         })
     };
     asked.iter().map(find).collect()
@@ -286,11 +269,7 @@ fn object(
     named: &[(String, Observable)],
     summary: &EnsembleSummary,
 ) -> Value {
-    let mut object = json!({});
-    for (name, value) in Provenance::of_run(entry, setup, &spec.job, spec.every).fields() {
-        object[name] = value;
-    }
-    object["steps"] = json!(spec.job.steps);
+    let mut object = Value::Object(Provenance::of_run(entry, setup, &spec.job, spec.every).fields());
     object["members"] = json!(spec.members);
     object["seed"] = json!(spec.seed);
     object["spread"] = json!(spec.variation.words);

@@ -67,15 +67,11 @@ fn one(words: &mut dyn Write, entry: &Entry) -> Result<(), Error> {
         writeln!(words, "  nothing")?;
     }
     for (name, unit) in conserved {
-        for (i, line) in wrapped(&with_unit(&name, unit), 76).iter().enumerate() {
-            writeln!(words, "{}{line}", if i == 0 { "  " } else { "    " })?;
-        }
+        writeln!(words, "  {}", wrapped(&with_unit(&name, unit), 76).join("\n    "))?;
     }
     writeln!(words, "\nretractions  {}", retractions(entry).join(", "))?;
     let methods = methods(entry).join(", ");
-    for (i, line) in wrapped(&methods, 67).iter().enumerate() {
-        writeln!(words, "{:11}  {line}", if i == 0 { "methods" } else { "" })?;
-    }
+    writeln!(words, "methods      {}", wrapped(&methods, 67).join("\n             "))?;
     writeln!(words, "step {} s, duration {} s\n", exact(entry.step), exact(entry.duration))?;
     writeln!(words, "{} run {} --plot", program(), entry.name)?;
     Ok(())

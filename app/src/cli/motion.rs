@@ -9,7 +9,7 @@ use super::program;
 use crate::catalogue::{Catalogue, Entry};
 use crate::error::{Error, SetupError};
 use crate::setup::config::{Config, RunConfig};
-use crate::setup::{Changes, Job, Method, Order, Retraction, Setup};
+use crate::setup::{Changes, Job, Method, MethodParser, Order, Retraction, Setup};
 
 /// The arguments that choose a run, or the file that describes it.
 #[derive(Clone, Debug, Args)]
@@ -35,7 +35,7 @@ pub(crate) struct SchemeArguments {
     ///
     /// Classical methods are there to compare with, by the system's vector field: they have no retraction and an order
     /// of their own, and are not fast; with most of those in stored numbers rotations drift off their group.
-    #[arg(long)]
+    #[arg(long, value_parser = MethodParser)]
     pub(crate) method: Option<Method>,
     /// 2, or 4, 6, 8, 10: symmetric compositions of steps of order 2
     #[arg(long, value_enum)]
@@ -90,73 +90,68 @@ impl ChosenRun {
         let config = file.map(Config::read).transpose()?.unwrap_or_default();
         let entry = self.entry(catalogue, &config)?;
         let mut changes = Changes::of(entry);
-        let mut order = self.scheme.order;
         if let Some(path) = file {
             config.apply(path, &mut changes)?;
-            order = order.or(config.order(path)?);
         }
         let run = config.run;
         let scheme = SchemeArguments {
             retraction: self.scheme.retraction.or(run.retraction),
             method: self.scheme.method.or(run.method),
-            order,
+            order: self.scheme.order.or(run.order),
         };
         let (step, duration) = (self.motion.step.or(run.step), self.motion.duration.or(run.duration));
+        let asked = MotionArguments { step, duration, ..self.motion.clone() };
         // what a file says of a scheme has its default beside a method of the command line that takes none
         check_scheme(scheme.method, self.scheme.order, self.scheme.retraction)?;
-        changes.apply(&self.motion.set)?;
-        let job = job(entry, &scheme, Retraction::Exponential, (step, duration), console)?;
-        let (setup, notes) = changes.clone().finish()?;
-        notes.into_iter().try_for_each(|note| console.note(note))?;
-        Ok((Motion { entry, changes, setup, job }, run))
+        Ok((Motion::of(changes, &scheme, Retraction::Exponential, &asked, console)?, run))
     }
 
     /// The system, by its argument or the file.
     fn entry<'c>(&self, catalogue: &'c Catalogue, config: &Config) -> Result<&'c Entry, SetupError> {
         let file = self.config.as_deref().unwrap_or(Path::new(""));
-        let name = match (&self.system, &config.system) {
-            (Some(asked), Some(described))
-                if catalogue.system(asked)?.name != catalogue.system(described)?.name =>
-            {
-                let reason = format!("{} describes a run of `{described}`, not of `{asked}`", file.display());
-                return Err(SetupError::new("system", asked, reason));
-            }
-            (Some(system), _) | (None, Some(system)) => system,
-            (None, None) => {
-                let example = catalogue.entries().first().map_or("NAME", |entry| &entry.name);
-                let reason = format!(
-                    "no system: name one, as in `{0} run {example}`, or give `system = \"…\"` in a file by \
-                     `--config` (`{0} list` shows all)",
-                    program()
-                );
-                return Err(SetupError::new("system", "", reason));
-            }
+        let Some(name) = self.system.as_ref().or(config.system.as_ref()) else {
+            let example = catalogue.entries().first().map_or("NAME", |entry| &entry.name);
+            return Err(SetupError::new(format!(
+                "no system: name one, as in `{0} run {example}`, or give `system = \"…\"` in a file by `--config` \
+                 (`{0} list` shows all)",
+                program()
+            )));
         };
-        catalogue.system(name)
+        let entry = catalogue.system(name)?;
+        match &config.system {
+            Some(described) if catalogue.system(described)?.name != entry.name => {
+                let reason = format!("{} describes a run of `{described}`, not of `{name}`", file.display());
+                Err(SetupError::new(reason))
+            }
+            _ => Ok(entry),
+        }
     }
 }
 
-/// Builds the job from its arguments; notes if the steps do not add up to the duration.
-///
-/// # Errors
-/// If there is no such run.
-pub(crate) fn job(
-    entry: &Entry,
-    scheme: &SchemeArguments,
-    retraction: Retraction,
-    (step, duration): (Option<f64>, Option<f64>),
-    console: &mut Console<'_>,
-) -> Result<Job, Error> {
-    let step = step.unwrap_or(entry.step);
-    let (steps, note) = steps(step, duration.unwrap_or(entry.duration))?;
-    note.into_iter().try_for_each(|note| console.note(note))?;
-    Ok(Job {
-        method: scheme.method.unwrap_or(Method::Standard),
-        retraction: scheme.retraction.unwrap_or_else(|| default_retraction(entry, retraction)),
-        order: scheme.order.unwrap_or(Order::Two),
-        step,
-        steps,
-    })
+impl<'e> Motion<'e> {
+    /// Builds the run that the arguments describe; notes if the steps do not add up to the duration, and all that
+    /// should be known of the setup.
+    ///
+    /// # Errors
+    /// If there is no such run.
+    pub(crate) fn of(
+        mut changes: Changes<'e>,
+        scheme: &SchemeArguments,
+        usual: Retraction,
+        asked: &MotionArguments,
+        console: &mut Console<'_>,
+    ) -> Result<Self, Error> {
+        let entry = changes.entry;
+        changes.apply(&asked.set)?;
+        let step = asked.step.unwrap_or(entry.step);
+        let (steps, note) = steps(step, asked.duration.unwrap_or(entry.duration))?;
+        let method = scheme.method.unwrap_or(Method::Standard);
+        let retraction = scheme.retraction.unwrap_or_else(|| default_retraction(entry, usual));
+        let job = Job { method, retraction, order: scheme.order.unwrap_or(Order::Two), step, steps };
+        let (setup, notes) = changes.clone().finish()?;
+        note.into_iter().chain(notes).try_for_each(|note| console.note(note))?;
+        Ok(Self { entry, changes, setup, job })
+    }
 }
 
 /// This retraction, or where there are no steps with it the first one with which there are.
@@ -174,14 +169,14 @@ pub(crate) fn check_scheme(
     let Some((method, classical)) = method.and_then(|method| Some((method, method.classical()?))) else {
         return Ok(());
     };
-    if let Some(order) = order {
+    if order.is_some() {
         let own = classical.order();
         let reason = format!("`--order` composes steps of ours; method {method} has its own order, {own}");
-        return Err(SetupError::new("order", order.number(), reason));
+        return Err(SetupError::new(reason));
     }
-    if let Some(retraction) = retraction {
+    if retraction.is_some() {
         let reason = format!("`--retraction` is for methods of ours; method {method} has none");
-        return Err(SetupError::new("retraction", retraction.name(), reason));
+        return Err(SetupError::new(reason));
     }
     Ok(())
 }
@@ -192,10 +187,9 @@ fn steps(step: f64, duration: f64) -> Result<(u64, Option<String>), SetupError> 
     const MOST: f64 = 9e15;
 
     if !(step.is_finite() && step != 0.0) {
-        let reason = format!("`--step` must be finite and not zero, got {step}");
-        return Err(SetupError::new("step", step, reason));
+        return Err(SetupError::new(format!("`--step` must be finite and not zero, got {step}")));
     }
-    let wrong = |reason: String| Err(SetupError::new("duration", duration, reason));
+    let wrong = |reason: String| Err(SetupError::new(reason));
     if !(duration.is_finite() && duration >= 0.0) {
         return wrong(format!(
             "`--duration` must be finite and not negative, got {duration} (a negative `--step` goes back in time)"

@@ -32,7 +32,9 @@ pub(crate) struct PlayArguments {
 }
 
 pub(crate) fn play(arguments: &PlayArguments, stdout: &mut dyn Write) -> Result<(), Error> {
-    let out = out(arguments)?;
+    // there is a first file: it is required
+    let beside = arguments.files.first().map(|first| first.with_extension("html"));
+    let out = arguments.out.clone().or(beside).unwrap_or_default();
     let mut console = OutputMode::default().on(stdout, is_stdout(&out))?;
     let guard = OverwriteGuard::new(origin(&arguments.files)?, arguments.force);
     let read = arguments.files.iter().map(|path| PlannedFile {
@@ -53,19 +55,10 @@ pub(crate) fn play(arguments: &PlayArguments, stdout: &mut dyn Write) -> Result<
     Ok(())
 }
 
-/// Names the page.
-fn out(arguments: &PlayArguments) -> Result<PathBuf, Error> {
-    match (&arguments.out, &arguments.files[..]) {
-        (Some(out), _) => Ok(out.clone()),
-        (None, [first, ..]) => Ok(first.with_extension("html")),
-        (None, []) => Err(SetupError::new("file", "", "no file: give one with data to be shown").into()),
-    }
-}
-
 /// Describes the origin of the page: the files by their names and checksums.
 fn origin(files: &[PathBuf]) -> Result<FileOrigin, FileError> {
     let described = files.iter().map(|path| {
-        let content = std::fs::read(path).map_err(|source| FileError::read(path, source))?;
+        let content = std::fs::read(path).map_err(FileError::read(path))?;
         let mut file = json!({ "name": path.file_name().unwrap_or_default().to_string_lossy() });
         file["crc32"] = format!("{:08x}", crc32fast::hash(&content)).into();
         if let Some((made, _)) = read(path)? {
@@ -92,7 +85,7 @@ fn shown(files: &[PathBuf]) -> Result<Page, Error> {
         }
     }
     let mut page = all.unwrap_or_default();
-    page.check().map_err(|error| SetupError::new("page", "", error.to_string()))?;
+    page.check().map_err(|error| SetupError::new(error.to_string()))?;
     Ok(page)
 }
 

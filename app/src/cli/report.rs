@@ -1,7 +1,5 @@
 //! The report of a run, for the user.
 
-use std::fmt;
-
 use coadjoint::RunReport;
 use comfy_table::{CellAlignment, ContentArrangement, LineStyle, TableStyle};
 use serde_json::{Value, json};
@@ -10,14 +8,7 @@ use crate::catalogue::{Entry, casimir};
 use crate::files::{Provenance, invariants};
 use crate::record::{ConservationReport, DriftStats};
 use crate::setup::{Job, Method, Setup, standard};
-use crate::units::{Figures, grouped, magnitude, with_unit, with_unit_behind};
-
-/// A table with a column for each run.
-#[derive(Debug)]
-pub struct Table<'a> {
-    entry: &'a Entry,
-    runs: Vec<RunSummary>,
-}
+use crate::units::{figures, grouped, magnitude, with_unit, with_unit_behind};
 
 /// One run's column.
 #[derive(Clone, Debug)]
@@ -51,9 +42,7 @@ impl RunSummary {
         }
         lines
     }
-}
 
-impl RunSummary {
     /// All of it as a JSON object.
     pub(crate) fn object(&self, entry: &Entry, setup: &Setup) -> Value {
         let mut object = Provenance::of_run(entry, setup, &self.job, 1).fields();
@@ -95,70 +84,42 @@ fn describe(stats: &DriftStats, steps: u64, unit: &str) -> String {
     }
 }
 
-impl<'a> Table<'a> {
-    /// A table of runs of one system.
-    pub fn new(entry: &'a Entry, runs: Vec<RunSummary>) -> Self {
-        Self { entry, runs }
+/// Lays out a table of runs of one system, with a column for each.
+pub fn table(entry: &Entry, runs: &[RunSummary]) -> String {
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    let mut row = |name: &str, cell: &dyn Fn(&RunSummary) -> String| {
+        rows.push(std::iter::once(name.to_owned()).chain(runs.iter().map(cell)).collect());
+    };
+    let of = |energy: &str| with_unit(energy, entry.energy_unit);
+    row("retraction", &|run| match run.job.method.classical() {
+        None => run.job.retraction.name().to_owned(),
+        Some(_) => "–".to_owned(),
+    });
+    row("method", &|run| match run.job.method {
+        Method::Standard => format!("standard ({})", standard(entry, run.job.retraction)),
+        method => method.to_string(),
+    });
+    row("order", &|run| run.job.order_of_step(entry).to_string());
+    row("steps", &|run| grouped(run.conservation.steps));
+    row("time per step, ns", &|run| run.time_per_step.map_or("–".to_owned(), |time| format!("{time:.0}")));
+    row("iterations per step", &|run| format!("{:.2}", run.report.iterations_per_step()));
+    let start = |run: &RunSummary| figures(run.conservation.energy.initial + 0.0, 4);
+    row(&of("energy at the start"), &start);
+    let error = match entry.conserves_energy() {
+        true => of("largest energy error"),
+        // forces act, or time or controls have a part in it
+        false => of("largest change of energy") + " (it is not conserved)",
+    };
+    row(&error, &|run| magnitude(run.conservation.energy.error));
+    for (i, (name, unit)) in casimir::names(entry).enumerate() {
+        row(&with_unit(&format!("drift of {name}"), unit), &|run| {
+            magnitude(run.conservation.casimirs.get(i).map_or(f64::NAN, |stats| stats.error))
+        });
     }
-
-    fn rows(&self) -> Vec<(String, Vec<String>)> {
-        let row = |name: &str, cell: &dyn Fn(&RunSummary) -> String| {
-            (name.to_owned(), self.runs.iter().map(cell).collect::<Vec<_>>())
-        };
-        let of = |energy: &str| with_unit(energy, self.entry.energy_unit);
-        let mut rows = vec![
-            row("retraction", &|run| match run.job.method.classical() {
-                None => run.job.retraction.name().to_owned(),
-                Some(_) => "–".to_owned(),
-            }),
-            row("method", &|run| self.method(&run.job)),
-            row("order", &|run| run.job.order_of_step(self.entry).to_string()),
-            row("steps", &|run| grouped(run.conservation.steps)),
-            row("time per step, ns", &|run| {
-                run.time_per_step.map_or("–".to_owned(), |time| format!("{time:.0}"))
-            }),
-            row("iterations per step", &|run| format!("{:.2}", run.report.iterations_per_step())),
-            row(&of("energy at the start"), &|run| {
-                format!("{:.4}", Figures(run.conservation.energy.initial + 0.0))
-            }),
-            row(
-                &if self.entry.conserves_energy() {
-                    of("largest energy error")
-                } else {
-                    // forces act, or time or controls have a part in it
-                    of("largest change of energy") + " (it is not conserved)"
-                },
-                &|run| magnitude(run.conservation.energy.error),
-            ),
-        ];
-        for (i, (name, unit)) in casimir::names(self.entry).enumerate() {
-            let name = with_unit(&format!("drift of {name}"), unit);
-            rows.push(row(&name, &|run| {
-                magnitude(run.conservation.casimirs.get(i).map_or(f64::NAN, |stats| stats.error))
-            }));
-        }
-        if self.runs.iter().any(|run| run.job.method.classical().is_some()) {
-            rows.push(row("largest distance from the group", &|run| magnitude(run.off_group)));
-        }
-        rows
+    if runs.iter().any(|run| run.job.method.classical().is_some()) {
+        row("largest distance from the group", &|run| magnitude(run.off_group));
     }
-}
-
-impl Table<'_> {
-    /// `midpoint`, or `standard (verlet)`
-    fn method(&self, job: &Job) -> String {
-        match job.method {
-            Method::Standard => format!("standard ({})", standard(self.entry, job.retraction)),
-            method => method.to_string(),
-        }
-    }
-}
-
-impl fmt::Display for Table<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let rows = self.rows().into_iter().map(|(name, cells)| [vec![name], cells].concat()).collect();
-        f.write_str(&laid_out(rows, CellAlignment::Left))
-    }
+    laid_out(rows, CellAlignment::Left)
 }
 
 /// Lays out a table whose first row is its header; numbers stand to the right, the first column as it is asked.

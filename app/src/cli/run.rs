@@ -8,7 +8,7 @@ use clap::Args;
 use super::console::{Console, OutputMode};
 use super::motion::{ChosenRun, Motion, MotionArguments};
 use super::program;
-use super::report::{RunSummary, Table};
+use super::report::{RunSummary, table};
 use super::session::{FinishedRun, Plan, Session};
 use super::{Command, ensemble, play, scan};
 use crate::catalogue::{Catalogue, Entry};
@@ -118,8 +118,7 @@ pub(crate) fn run(
 ) -> Result<(), Error> {
     let mut console = arguments.output.on(stdout, is_stdout(&arguments.chosen.motion.out))?;
     if arguments.open && arguments.html.is_none() {
-        let reason = "`--open` opens a page: say where to write it by `--html`";
-        return Err(SetupError::new("open", "", reason).into());
+        return Err(SetupError::new("`--open` opens a page: say where to write it by `--html`").into());
     }
     if let Some(file) = &arguments.again {
         return again(catalogue, file, arguments, &mut console);
@@ -141,7 +140,7 @@ fn described(
     }
     let every = arguments.every.or(config.every).unwrap_or(1);
     if every == 0 {
-        return Err(SetupError::new("every", 0, "`every` must be 1 or more, got 0").into());
+        return Err(SetupError::new("`every` must be 1 or more, got 0").into());
     }
     let format = Some(arguments.format.or(config.format).unwrap_or(Format::Csv));
     let RunArguments { plot, watch_every_step: watch, checkpoint_every: pause, .. } = *arguments;
@@ -177,23 +176,9 @@ fn execute(
     console: &mut Console<'_>,
 ) -> Result<(), Error> {
     let page = plan.html.clone().filter(|_| open);
-    let session = Session::begin(entry, plan, checkpoint)?;
-    go_on(session, checkpoint, console)?;
+    let done = Session::begin(entry, plan, checkpoint)?.run(console)?;
+    report(done, checkpoint, console)?;
     page.map_or(Ok(()), |page| play::show(&page, console))
-}
-
-/// Takes the steps of a run that was begun, writes its files and reports it.
-fn go_on(
-    mut session: Session<'_>,
-    checkpoint: Option<&Path>,
-    console: &mut Console<'_>,
-) -> Result<(), Error> {
-    let (name, steps) = session.size();
-    let mut progress = console.progress(name, steps, "step");
-    let taken = session.simulate(&mut |index| progress.show(index))?;
-    drop(progress);
-    let done = session.write(taken)?;
-    report(done, checkpoint, console)
 }
 
 pub(crate) fn resume(
@@ -204,7 +189,7 @@ pub(crate) fn resume(
     let path = &arguments.checkpoint;
     let session = Session::resume(catalogue, path)?;
     let mut console = arguments.output.on(stdout, session.is_for_stdout())?;
-    go_on(session, Some(path), &mut console)
+    report(session.run(&console)?, Some(path), &mut console)
 }
 
 /// Makes a run of which nothing is written but the page.
@@ -215,8 +200,7 @@ pub(crate) fn view(
 ) -> Result<(), Error> {
     let ViewArguments { chosen, html, open, output } = arguments;
     if is_stdout(&chosen.motion.out) {
-        let reason = "a page is a file: `--html FILE` says where it goes";
-        return Err(SetupError::new("out", "-", reason).into());
+        return Err(SetupError::new("a page is a file: `--html FILE` says where it goes").into());
     }
     let mut console = output.on(stdout, false)?;
     let (motion, _) = chosen.motion(catalogue, &mut console)?;
@@ -234,19 +218,22 @@ fn again(
     console: &mut Console<'_>,
 ) -> Result<(), Error> {
     let name = file.display().to_string();
-    let wrong = |reason: String| SetupError::new("again", &name, reason);
-    let (origin, interrupted) =
-        files::read(file)?.ok_or_else(|| wrong(format!("nothing beside {name} says what made it")))?;
+    let (origin, interrupted) = files::read(file)?
+        .ok_or_else(|| SetupError::new(format!("nothing beside {name} says what made it")))?;
     if !origin.is_run() {
         let command = origin.command();
-        return Err(wrong(format!("{name} is of no run: `{} {command}` makes it again", program())).into());
+        return Err(SetupError::new(format!(
+            "{name} is of no run: `{} {command}` makes it again",
+            program()
+        ))
+        .into());
     }
     if interrupted {
         console.note(format!("the run of {name} was interrupted; now it goes to its end"))?;
     }
     let MotionArguments { out, force, .. } = &arguments.chosen.motion;
     let extension = file.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    match super::parsed(origin.words()).map_err(|error| wrong(error.to_string()))? {
+    match super::parsed(origin.words()).map_err(|error| SetupError::new(error.to_string()))? {
         Command::Run(mut made) => {
             (made.chosen.motion.out, made.chosen.motion.force) = (out.clone(), *force);
             (made.checkpoint, made.checkpoint_every) =
@@ -263,7 +250,7 @@ fn again(
             (made.motion.out, made.motion.force) = (out.clone(), *force);
             ensemble::described(catalogue, &made, Some(&origin), console)
         }
-        _ => Err(wrong(format!("{name} is of no run")).into()),
+        _ => Err(SetupError::new(format!("{name} is of no run")).into()),
     }
 }
 
@@ -281,7 +268,7 @@ fn report(done: FinishedRun<'_>, checkpoint: Option<&Path>, console: &mut Consol
         object
     })?;
     let words = console.words();
-    write!(words, "{}", Table::new(entry, vec![summary]))?;
+    write!(words, "{}", table(entry, &[summary]))?;
     for line in conclusions {
         writeln!(words, "{}", wrapped(&line, 78).join("\n  "))?;
     }

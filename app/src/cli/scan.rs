@@ -58,7 +58,6 @@ pub(super) fn scan(
     console.summary(&written, || {
         let described = |row: &ScanRow| object(entry, &scans, row);
         let mut object = Value::Object(run.fields());
-        object["steps"] = motion.job.steps.into();
         object["runs"] = rows.iter().map(described).collect();
         object
     })?;
@@ -101,12 +100,10 @@ fn shown(entry: &Entry, scans: &[Scan], rows: &[ScanRow]) -> String {
         cells.iter().chain([name]).map(|cell| cell.chars().count()).max().unwrap_or(0) + 2
     };
     let mut taken = 0;
-    let fit = columns.iter().map(width).take_while(|width| {
-        taken += width;
+    columns.retain(|column| {
+        taken += width(column);
         taken <= WIDTH + 2
     });
-    let fit = fit.count();
-    columns.truncate(fit);
     let header = columns.iter().map(|(name, _)| name.clone()).collect();
     let line = |i: usize| columns.iter().map(|(_, cells)| cells[i].clone()).collect();
     let table =

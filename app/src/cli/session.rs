@@ -9,7 +9,9 @@ use coadjoint::RunReport;
 use coadjoint::erased;
 use serde::{Deserialize, Serialize};
 
+use super::console::Console;
 use super::interrupt;
+use super::progress::Progress;
 use super::report::RunSummary;
 use crate::catalogue::{Catalogue, Entry};
 use crate::error::{Error, FileError, SetupError};
@@ -71,20 +73,6 @@ struct RunFiles {
     pictures: Vec<(Kind, PathBuf)>,
 }
 
-impl RunFiles {
-    fn of(entry: &Entry, plan: &Plan) -> Result<Self, Error> {
-        if is_stdout(&plan.out) && plan.plot {
-            let reason = "`--plot` writes pictures: `--out` has to name a directory";
-            return Err(SetupError::new("out", "-", reason).into());
-        }
-        let stem = plan.provenance(entry).stem(entry, &plan.job);
-        let place = |extension: &str| file_in(&plan.out, &format!("{stem}.{extension}"));
-        let trajectory = plan.format.map(|format| (format, place(format.extension())));
-        let kinds = if plan.plot { Kind::ALL } else { &[] };
-        Ok(Self { trajectory, pictures: kinds.iter().map(|kind| (*kind, place(kind.extension()))).collect() })
-    }
-}
-
 /// The content of a checkpoint: all that is needed to resume a run.
 #[derive(Debug, Serialize, Deserialize)]
 struct Saved<P = Plan, R = Recorders> {
@@ -94,34 +82,6 @@ struct Saved<P = Plan, R = Recorders> {
     recorders: R,
     /// None before the first step.
     checkpoint: Option<Checkpoint>,
-}
-
-impl Saved {
-    /// Tells whether it fits this system: all lists have the required lengths.
-    fn fits(&self, entry: &Entry) -> bool {
-        let Setup { parameters, state, controls } = &entry.example;
-        let Self { plan, recorders, checkpoint, .. } = self;
-        let states = checkpoint.iter().map(|checkpoint| &checkpoint.state).chain([&plan.setup.state]);
-        plan.setup.parameters.len() == parameters.len()
-            && plan.setup.controls.len() == controls.len()
-            && plan.every > 0
-            && states.into_iter().all(|list| list.len() == state.len())
-            && recorders.are_of(entry)
-    }
-
-    /// Finds the system's entry, if the run can be resumed here.
-    fn entry<'c>(&self, catalogue: &'c Catalogue, path: &Path) -> Result<&'c Entry, Error> {
-        let entry = catalogue.system(&self.plan.system)?;
-        if !self.fits(entry) {
-            return Err(FileError::damaged(path, "is a damaged checkpoint").into());
-        }
-        if self.version != version(entry, &self.plan) {
-            let what = "was made by another version of the program or the system, whose steps may differ in their \
-                        last digits: use that version, or start again";
-            return Err(FileError::damaged(path, what).into());
-        }
-        Ok(entry)
-    }
 }
 
 /// A run in progress.
@@ -196,12 +156,19 @@ impl<'e> Session<'e> {
     /// Resumes a run from its checkpoint.
     ///
     /// # Errors
-    /// If it is in use, is not what was written, or a file of the run cannot be written.
+    /// If it is in use, is not what was written, is of other steps than those taken here, or a file of the run cannot be
+    /// written.
     pub fn resume(catalogue: &'e Catalogue, path: &Path) -> Result<Self, Error> {
         interrupt::listen();
         let (store, saved) = CheckpointStore::open::<Saved>(path)?;
-        let entry = saved.entry(catalogue, path)?;
-        let Saved { plan, recorders, checkpoint: from, .. } = saved;
+        let Saved { plan, recorders, checkpoint: from, version } = saved;
+        let entry = catalogue.system(&plan.system)?;
+        let lengths = |setup: &Setup| (setup.parameters.len(), setup.state.len(), setup.controls.len());
+        if lengths(&plan.setup) != lengths(&entry.example) || version != self::version(entry, &plan) {
+            let what = "was made by another version of the program or the system, whose steps may differ in their \
+                        last digits: use that version, or start again";
+            return Err(FileError::damaged(path, what).into());
+        }
         let (files, guard) = claimed(entry, &plan, Some(path))?;
         let system = entry.system(&plan.setup.parameters);
         Ok(Self { entry, system, plan, files, guard, recorders, rows: Rows::Checkpoint(store), from })
@@ -212,22 +179,19 @@ impl<'e> Session<'e> {
         is_stdout(&self.plan.out)
     }
 
-    /// Names its system, and counts its steps.
-    pub(crate) fn size(&self) -> (&str, u64) {
-        (&self.entry.name, self.plan.job.steps)
-    }
-
-    /// Makes the run, and writes its files.
+    /// Makes the run, shows its progress, and writes its files. Ctrl-C ends it.
     ///
     /// # Errors
     /// If a step cannot be taken, or a file not be written.
-    pub fn run(mut self, progress: &mut dyn FnMut(u64)) -> Result<FinishedRun<'e>, Error> {
-        let report = self.simulate(progress)?;
+    pub fn run(mut self, console: &Console<'_>) -> Result<FinishedRun<'e>, Error> {
+        let mut progress = console.progress(&self.entry.name, self.plan.job.steps, "step");
+        let report = self.simulate(&mut progress)?;
+        drop(progress);
         self.write(report)
     }
 
-    /// Takes the steps and records them, with a word on the progress now and then. Ctrl-C ends it.
-    pub(crate) fn simulate(&mut self, progress: &mut dyn FnMut(u64)) -> Result<RunReport, Error> {
+    /// Takes the steps and records them.
+    fn simulate(&mut self, progress: &mut Progress) -> Result<RunReport, Error> {
         let (entry, from) = (self.entry, self.from.take());
         let (setup, job) = (self.plan.setup.clone(), self.plan.job);
         let pause = Duration::try_from_secs_f64(self.plan.pause).unwrap_or_default();
@@ -244,7 +208,7 @@ impl<'e> Session<'e> {
         let simulated = simulate(entry, &setup, &job, from.as_ref(), &next, &mut |sample| {
             let is_due = sample.index.is_multiple_of(INTERVAL);
             if is_due {
-                progress(sample.index);
+                progress.show(sample.index);
             }
             let pushed = if is_new { self.push(sample) } else { Ok(()) };
             is_new = true;
@@ -293,13 +257,10 @@ impl<'e> Session<'e> {
     }
 
     /// Writes the trajectory, the pictures and the page.
-    ///
-    /// # Errors
-    /// If one of them cannot be written.
-    pub(crate) fn write(self, report: RunReport) -> Result<FinishedRun<'e>, Error> {
+    fn write(self, report: RunReport) -> Result<FinishedRun<'e>, Error> {
         let Self { entry, plan, files, guard, mut recorders, rows, .. } = self;
         let Some(conservation) = recorders.conservation.take() else {
-            return Err(SetupError::new("steps", plan.job.steps, "the run has no samples").into());
+            return Err(SetupError::new("the run has no samples").into());
         };
         let interrupted = (conservation.steps < plan.job.steps).then_some(conservation.steps);
         let mut contents = Vec::new();
@@ -336,18 +297,27 @@ fn claimed(
     plan: &Plan,
     checkpoint: Option<&Path>,
 ) -> Result<(RunFiles, OverwriteGuard), Error> {
-    let files = RunFiles::of(entry, plan)?;
+    if is_stdout(&plan.out) && plan.plot {
+        return Err(SetupError::new("`--plot` writes pictures: `--out` has to name a directory").into());
+    }
+    let run = plan.provenance(entry);
+    let stem = run.stem(entry, &plan.job);
+    let place = |extension: &str| file_in(&plan.out, &format!("{stem}.{extension}"));
+    let trajectory = plan.format.map(|format| (format, place(format.extension())));
+    let kinds = if plan.plot { Kind::ALL } else { &[] };
+    let pictures: Vec<_> = kinds.iter().map(|kind| (*kind, place(kind.extension()))).collect();
+
     let file = |what, path: &Path, written| PlannedFile { what, path: path.to_owned(), written };
     let inputs = plan.inputs.iter().map(|path| file("what describes the run", path, false));
     let mut planned: Vec<PlannedFile> = inputs.collect();
     planned.extend(checkpoint.map(|path| file("the checkpoint", path, false)));
     planned.extend(checkpoint.map(|path| file("the checkpoint's rows", &rows_of(path), false)));
-    planned.extend(files.trajectory.iter().map(|(_, path)| file("the trajectory", path, true)));
+    planned.extend(trajectory.iter().map(|(_, path)| file("the trajectory", path, true)));
     planned.extend(plan.html.iter().map(|path| file("the page", path, true)));
-    planned.extend(files.pictures.iter().map(|(_, path)| file("the picture", path, true)));
-    let guard = OverwriteGuard::new(plan.provenance(entry).origin(), plan.force);
+    planned.extend(pictures.iter().map(|(_, path)| file("the picture", path, true)));
+    let guard = OverwriteGuard::new(run.origin(), plan.force);
     guard.check_all(&planned)?;
-    Ok((files, guard))
+    Ok((RunFiles { trajectory, pictures }, guard))
 }
 
 /// Collects what a run is to be resumed with.
@@ -398,7 +368,7 @@ fn version(entry: &Entry, plan: &Plan) -> u32 {
 mod tests {
     use super::*;
     use crate::setup::{Method, Order, Retraction};
-    use crate::test_systems::catalogue;
+    use crate::tests::catalogue;
 
     fn file(of: &str) -> Saved {
         let entry = catalogue().system(of).expect("it is there");
@@ -434,11 +404,11 @@ mod tests {
     }
 
     #[test]
-    fn a_checkpoint_that_was_tampered_with_is_damaged() {
-        let path = std::env::temp_dir().join(format!("coadjoint-tampered-{}.ck", std::process::id()));
-        let resumed = |tamper: &dyn Fn(&mut Saved)| {
+    fn a_checkpoint_of_other_steps_is_refused() {
+        let path = std::env::temp_dir().join(format!("coadjoint-other-{}.ck", std::process::id()));
+        let resumed = |change: &dyn Fn(&mut Saved)| {
             let mut file = self::file("heavy_top");
-            tamper(&mut file);
+            change(&mut file);
             drop(CheckpointStore::begin(&path, Vec::new(), &file).expect("writable"));
             let resumed = Session::resume(catalogue(), &path);
             let _ = std::fs::remove_file(&path);
@@ -446,14 +416,15 @@ mod tests {
             resumed.map(|_| ()).map_err(|error| error.to_string())
         };
         assert_eq!(resumed(&|_| {}), Ok(()));
-        let damaged = Err(format!("{} is a damaged checkpoint", path.display()));
-        assert_eq!(resumed(&|file| file.plan.every = 0), damaged);
-        assert_eq!(resumed(&|file| file.plan.setup.parameters.truncate(1)), damaged);
-        assert_eq!(resumed(&|file| file.plan.setup.state.push(0.0)), damaged);
-        assert_eq!(resumed(&|file| file.checkpoint.as_mut().expect("there").state.clear()), damaged);
-        assert_eq!(resumed(&|file| file.recorders.curves = self::file("kepler").recorders.curves), damaged);
-        // another potential, of whatever text
-        let other = resumed(&|file| file.plan.setup.parameters[3] = 2.0).expect_err("other steps");
-        assert!(other.contains("another version of the program or the system"), "{other}");
+        // a system with other quantities, and one with another potential, of whatever text
+        let changes: [&dyn Fn(&mut Saved); 3] = [
+            &|file| file.plan.setup.parameters.truncate(1),
+            &|file| file.plan.setup.state.push(0.0),
+            &|file| file.plan.setup.parameters[3] = 2.0,
+        ];
+        for change in changes {
+            let other = resumed(change).expect_err("other steps");
+            assert!(other.contains("another version of the program or the system"), "{other}");
+        }
     }
 }

@@ -112,7 +112,7 @@ fn take_attribute(mut item: ItemStruct) -> Option<(TokenStream, TokenStream)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_systems::catalogue;
+    use crate::tests::catalogue;
 
     #[test]
     fn the_attribute_is_taken_off_the_struct() {

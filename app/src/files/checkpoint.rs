@@ -38,11 +38,17 @@ struct Mark {
     sum: u32,
 }
 
-impl Mark {
-    fn add(&mut self, bytes: &[u8]) {
+impl Write for Mark {
+    /// Adds rows.
+    fn write(&mut self, rows: &[u8]) -> io::Result<usize> {
         let mut hasher = crc32fast::Hasher::new_with_initial(self.sum);
-        hasher.update(bytes);
-        *self = Self { bytes: self.bytes + bytes.len() as u64, sum: hasher.finalize() };
+        hasher.update(rows);
+        *self = Self { bytes: self.bytes + rows.len() as u64, sum: hasher.finalize() };
+        Ok(rows.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
     }
 }
 
@@ -52,9 +58,9 @@ impl CheckpointStore {
     /// # Errors
     /// If any of them is there, or cannot be written.
     pub(crate) fn begin(path: &Path, columns: Vec<String>, content: &impl Serialize) -> Result<Self, Error> {
-        let path = &followed(path).map_err(|source| FileError::write(path, source))?;
+        let path = &followed(path).map_err(FileError::write(path))?;
         let name = path.display();
-        let taken = |reason: String| Err(SetupError::new("checkpoint", &name, reason).into());
+        let taken = |reason: String| Err(SetupError::new(reason).into());
         if fs::symlink_metadata(path).is_ok() {
             return taken(match fs::read(path).is_ok_and(|content| content.starts_with(ANY)) {
                 true => format!("{name} exists already: `resume {name}` resumes it"),
@@ -70,7 +76,7 @@ impl CheckpointStore {
                     "{rows} exists already, without its checkpoint: to start again, remove it first"
                 ));
             }
-            created => created.map_err(|source| FileError::write(&place, source))?,
+            created => created.map_err(FileError::write(&place))?,
         };
         let begun = locked(path, &file).and_then(|()| {
             let mut store = Self { path: path.clone(), rows: BufWriter::new(file), mark: Mark::default() };
@@ -89,42 +95,33 @@ impl CheckpointStore {
     /// # Errors
     /// If they are in use, cannot be read, are of another version of the program, or not what was written.
     pub(crate) fn open<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<(Self, T), Error> {
-        let path = &followed(path).map_err(|source| FileError::read(path, source))?;
-        // with this error, where there is none, rather than that of its rows
-        fs::metadata(path).map_err(|source| FileError::read(path, source))?;
+        let path = &followed(path).map_err(FileError::read(path))?;
         let place = rows_of(path);
-        let unreadable = |source| FileError::read(&place, source);
         let opened = OpenOptions::new().read(true).write(true).open(&place);
         if opened.is_err() {
-            // of a file that is no checkpoint its rows are not missed
+            // of a file that is not there, or is no checkpoint, its rows are not missed
             load::<T>(path)?;
         }
-        let mut file = opened.map_err(unreadable)?;
+        let mut file = opened.map_err(FileError::read(&place))?;
         locked(path, &file)?;
         let (mark, content) = load(path)?;
-        let (mut found, mut rest) = (Mark::default(), BufReader::new((&file).take(mark.bytes)));
-        loop {
-            let bytes = rest.fill_buf().map_err(unreadable)?;
-            if bytes.is_empty() {
-                break;
-            }
-            found.add(bytes);
-            let count = bytes.len();
-            rest.consume(count);
-        }
+        let mut found = Mark::default();
+        io::copy(&mut (&file).take(mark.bytes), &mut found).map_err(FileError::read(&place))?;
         if found != mark {
             let what = "is damaged, or of another run: the run cannot be resumed";
             return Err(FileError::damaged(&place, what).into());
         }
         // what comes later is that of steps which will be taken again
         let end = file.set_len(mark.bytes).and_then(|()| file.seek(SeekFrom::End(0)));
-        end.map_err(|source| FileError::write(&place, source))?;
+        end.map_err(FileError::write(&place))?;
         Ok((Self { path: path.clone(), rows: BufWriter::new(file), mark }, content))
     }
 
     fn write(&mut self, bytes: &[u8]) -> Result<(), FileError> {
-        self.mark.add(bytes);
-        self.rows.write_all(bytes).map_err(|source| FileError::write(&rows_of(&self.path), source))
+        self.mark
+            .write_all(bytes)
+            .and_then(|()| self.rows.write_all(bytes))
+            .map_err(FileError::write(&rows_of(&self.path)))
     }
 
     /// Adds a row.
@@ -133,7 +130,7 @@ impl CheckpointStore {
     /// If it cannot be written.
     pub(crate) fn row(&mut self, row: &[f64]) -> Result<(), FileError> {
         let mut line = Vec::new();
-        write_row(&mut line, row).map_err(|source| FileError::write(&rows_of(&self.path), source))?;
+        write_row(&mut line, row).map_err(FileError::write(&rows_of(&self.path)))?;
         self.write(&line)
     }
 
@@ -147,9 +144,9 @@ impl CheckpointStore {
 
     fn save_in(&mut self, content: &impl Serialize, may_replace: bool) -> Result<(), FileError> {
         let synced = self.rows.flush().and_then(|()| self.rows.get_ref().sync_data());
-        synced.map_err(|source| FileError::write(&rows_of(&self.path), source))?;
+        synced.map_err(FileError::write(&rows_of(&self.path)))?;
         let payload = postcard::to_stdvec(&(self.mark, content)).map_err(io::Error::other);
-        let payload = payload.map_err(|source| FileError::write(&self.path, source))?;
+        let payload = payload.map_err(FileError::write(&self.path))?;
         let sum = crc32fast::hash(&payload).to_le_bytes();
         NewFile::with(&self.path, &[MAGIC, &sum, &payload].concat())?.finish(may_replace)
     }
@@ -160,20 +157,19 @@ impl CheckpointStore {
     /// If they cannot be read, or `show` fails.
     pub(crate) fn replay(&mut self, mut show: impl FnMut(&[f64]) -> Result<(), Error>) -> Result<(), Error> {
         let place = rows_of(&self.path);
-        let unreadable = |source| FileError::read(&place, source);
-        self.rows.flush().map_err(|source| FileError::write(&place, source))?;
+        self.rows.flush().map_err(FileError::write(&place))?;
         let mut file = self.rows.get_ref();
-        file.seek(SeekFrom::Start(0)).map_err(unreadable)?;
+        file.seek(SeekFrom::Start(0)).map_err(FileError::read(&place))?;
         let mut numbers = Vec::new();
         for line in BufReader::new(file).lines().skip(1) {
             numbers.clear();
-            for number in line.map_err(unreadable)?.split(',') {
+            for number in line.map_err(FileError::read(&place))?.split(',') {
                 let wrong = |_| FileError::damaged(&place, "is damaged: the run cannot be resumed");
                 numbers.push(number.parse::<f64>().map_err(wrong)?);
             }
             show(&numbers)?;
         }
-        file.seek(SeekFrom::End(0)).map_err(unreadable)?;
+        file.seek(SeekFrom::End(0)).map_err(FileError::read(&place))?;
         Ok(())
     }
 
@@ -198,14 +194,14 @@ fn locked(checkpoint: &Path, rows: &File) -> Result<(), Error> {
         Err(TryLockError::WouldBlock) => Err(FileError::InUse(checkpoint.to_owned()).into()),
         // where there are no locks, people see to it
         Err(TryLockError::Error(error)) if error.kind() != io::ErrorKind::Unsupported => {
-            Err(FileError::write(&rows_of(checkpoint), error).into())
+            Err(FileError::write(&rows_of(checkpoint))(error).into())
         }
         _ => Ok(()),
     }
 }
 
 fn load<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<(Mark, T), FileError> {
-    let content = fs::read(path).map_err(|source| FileError::read(path, source))?;
+    let content = fs::read(path).map_err(FileError::read(path))?;
     let rest = content
         .strip_prefix(MAGIC)
         .ok_or_else(|| FileError::damaged(path, "is not a checkpoint of this version of coadjoint"))?;

@@ -89,9 +89,7 @@ impl OverwriteGuard {
         }
         written().try_for_each(|path| self.check(path))?;
         for path in written().filter(|path| !is_stdout(path) && !is_special(path)) {
-            make_directory_of(
-                &super::path::followed(path).map_err(|source| FileError::write(path, source))?,
-            )?;
+            make_directory_of(&super::path::followed(path).map_err(FileError::write(path))?)?;
             // dropped at once: it can be written
             NewFile::begin(path)?;
         }
@@ -137,12 +135,11 @@ impl OverwriteGuard {
     /// Tells whether the file of the same run is here, complete.
     fn is_complete(&self, path: &Path) -> Result<bool, FileError> {
         let (_, found) = RunJson::beside(path)?;
-        let is_whole =
-            |found: &RunJson| found.origin == self.origin && found.status(path) == Some(Status::Complete);
-        Ok(!is_stdout(path) && path.is_file() && matches!(found, Beside::Ours(found) if is_whole(&found)))
+        let is_whole = |found: &RunJson| found.origin == self.origin && found.is_complete(path);
+        Ok(path.is_file() && matches!(found, Beside::Ours(found) if is_whole(&found)))
     }
 
-    /// Notes the status of files beside them, unless a better one of the same run is known.
+    /// Notes the status of files beside them. What is there and begun again is as it was.
     fn note<'p>(&self, paths: impl Iterator<Item = &'p Path>, status: Status) -> Result<(), FileError> {
         for path in paths.filter(|path| !is_stdout(path) && !is_special(path)) {
             let (beside, found) = RunJson::beside(path)?;
@@ -150,11 +147,8 @@ impl OverwriteGuard {
                 Beside::Ours(found) if found.origin == self.origin => found,
                 _ => RunJson::of(self.origin.clone()),
             };
-            if status == Status::Begun && !path.exists() {
-                // what it held is no more
-                json.forget(path);
-            }
-            if json.set(path, status) {
+            if status != Status::Begun || !json.has(path) || !path.exists() {
+                json.set(path, status);
                 NewFile::with(&beside, json.text().as_bytes())?.finish(true)?;
             }
         }
@@ -199,6 +193,6 @@ mod tests {
         std::fs::remove_file(&path).expect("there");
         guard.note(std::iter::once(path.as_path()), Status::Begun).expect("writable");
         let Beside::Ours(found) = RunJson::beside(&path).expect("readable").1 else { panic!("it is there") };
-        assert_eq!(found.status(&path), Some(Status::Begun));
+        assert!(found.has(&path) && !found.is_complete(&path));
     }
 }

@@ -152,17 +152,18 @@ impl Provenance {
 
     /// Lists its fields by their names.
     pub(crate) fn fields(&self) -> Map<String, Value> {
-        // its maps have texts for keys
-        object(serde_json::to_value(self).unwrap_or_default())
+        match serde_json::to_value(self) {
+            Ok(Value::Object(fields)) => fields,
+            // its maps have texts for keys
+            _ => Map::new(),
+        }
     }
 
     /// Names the files of the run: `heavy_top-midpoint-order4-cayley` with the example's numbers, step and
     /// duration; with others followed by a checksum of them all: `heavy_top-cayley-3fa9c1`.
     pub fn stem(&self, entry: &Entry, job: &Job) -> String {
         let mut stem = entry.name.clone();
-        let side_by_side =
-            (job.method, job.retraction, job.order) == (Method::Standard, Retraction::Cayley, Order::Two);
-        if self.ensemble.is_none() || !side_by_side {
+        if self.ensemble.is_none() || !job.is_side_by_side() {
             if job.method != Method::Standard {
                 stem += &format!("-{}", job.method.stem());
             }
@@ -229,14 +230,6 @@ pub(crate) fn digest(entry: &Entry, setup: &Setup, job: &Job) -> u32 {
     hasher.finalize()
 }
 
-/// Takes the fields of what is an object.
-fn object(value: Value) -> Map<String, Value> {
-    match value {
-        Value::Object(fields) => fields,
-        _ => Map::new(),
-    }
-}
-
 pub(crate) fn by_name(quantities: &[Quantity], values: &[impl Serialize]) -> Map<String, Value> {
     let named = Quantity::with_ranges(quantities).map(|(quantity, slots)| {
         let value = match &values[slots] {
@@ -255,7 +248,8 @@ pub struct FileOrigin(Map<String, Value>);
 impl FileOrigin {
     /// Describes a command, as it can be typed again behind the program's name: `figures 6.2`.
     pub fn of_command(command: &str) -> Self {
-        Self(object(json!({ "program": PROGRAM, "version": env!("CARGO_PKG_VERSION"), "command": command })))
+        let origin = Self(Map::new()).with("program", PROGRAM.into());
+        origin.with("version", env!("CARGO_PKG_VERSION").into()).with("command", command.into())
     }
 
     /// Adds one more thing to know of it.
@@ -307,7 +301,7 @@ impl FileOrigin {
             "the run was made with version {version} of the program and steps of `{name}` whose digits differ from those \
              taken here"
         );
-        Err(SetupError::new("system", name, reason))
+        Err(SetupError::new(reason))
     }
 
     /// Says how another one differs.
@@ -325,7 +319,7 @@ impl FileOrigin {
 /// The part of a run that a file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Status {
-    /// Nothing is known.
+    /// Nothing is known: it is about to be put in its place.
     Begun,
     /// The beginning, up to an interruption after this many steps.
     Interrupted(u64),
@@ -377,7 +371,7 @@ impl RunJson {
             Err(error) if [io::ErrorKind::NotFound, io::ErrorKind::NotADirectory].contains(&error.kind()) => {
                 return Ok((place, Beside::Nothing));
             }
-            Err(source) => return Err(FileError::read(&place, source)),
+            Err(source) => return Err(FileError::read(&place)(source)),
         }
         Ok((place, Self::parse(&text).map_or(Beside::Foreign, Beside::Ours)))
     }
@@ -403,31 +397,20 @@ impl RunJson {
         self.files.keys().any(|name| place.with_file_name(name).exists())
     }
 
-    /// Tells how much of the run a file holds.
-    pub(super) fn status(&self, path: &Path) -> Option<Status> {
-        let status = self.files.get(&name(path))?;
-        Some(match status.strip_prefix("interrupted after ") {
-            _ if status == COMPLETE => Status::Complete,
-            Some(rest) => rest.split(' ').next()?.parse().map_or(Status::Begun, Status::Interrupted),
-            None => Status::Begun,
-        })
+    /// Tells whether a file holds all of the run.
+    pub(super) fn is_complete(&self, path: &Path) -> bool {
+        self.files.get(&name(path)).is_some_and(|status| status == COMPLETE)
     }
 
-    /// Forgets a file.
-    pub(super) fn forget(&mut self, path: &Path) {
-        self.files.remove(&name(path));
-    }
-
-    /// Sets how much of the run a file holds, and tells whether that is news. What is begun again is as it was.
-    pub(super) fn set(&mut self, path: &Path, status: Status) -> bool {
+    /// Sets how much of the run a file holds.
+    pub(super) fn set(&mut self, path: &Path, status: Status) {
         let steps = self.origin.0.get("steps").and_then(Value::as_u64).unwrap_or(0);
         let words = match status {
-            Status::Begun if self.has(path) => return false,
             Status::Begun => "begun".to_owned(),
             Status::Interrupted(after) => format!("interrupted after {after} of {steps} steps"),
             Status::Complete => COMPLETE.to_owned(),
         };
-        self.files.insert(name(path), words.clone()) != Some(words)
+        self.files.insert(name(path), words);
     }
 }
 
@@ -442,14 +425,14 @@ fn name(path: &Path) -> String {
 /// If it cannot be read.
 pub(crate) fn read(path: &Path) -> Result<Option<(FileOrigin, bool)>, FileError> {
     if path.to_string_lossy().ends_with(".run.json") {
-        let text = std::fs::read(path).map_err(|source| FileError::read(path, source))?;
+        let text = std::fs::read(path).map_err(FileError::read(path))?;
         return Ok(RunJson::parse(&text).map(|found| (found.origin, false)));
     }
-    std::fs::metadata(path).map_err(|source| FileError::read(path, source))?;
+    std::fs::metadata(path).map_err(FileError::read(path))?;
     Ok(match RunJson::beside(path)?.1 {
         Beside::Ours(found) if found.has(path) => {
-            let status = found.status(path);
-            Some((found.origin, status != Some(Status::Complete)))
+            let interrupted = !found.is_complete(path);
+            Some((found.origin, interrupted))
         }
         _ => None,
     })
@@ -458,7 +441,7 @@ pub(crate) fn read(path: &Path) -> Result<Option<(FileOrigin, bool)>, FileError>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_systems::catalogue;
+    use crate::tests::catalogue;
 
     fn provenance() -> FileOrigin {
         let entry = catalogue().system("heavy_top").expect("it is there");
@@ -496,15 +479,12 @@ mod tests {
         let run = origin.clone();
         let mut json = RunJson::of(origin);
         let (whole, cut) = (Path::new("out/a.csv"), Path::new("out/a.svg"));
-        assert!(json.set(whole, Status::Complete) && json.set(cut, Status::Interrupted(4)));
-        assert!(!json.set(whole, Status::Begun) && !json.set(cut, Status::Interrupted(4)));
+        json.set(whole, Status::Complete);
+        json.set(cut, Status::Interrupted(4));
         let read = RunJson::parse(json.text().as_bytes()).expect("its own text");
         assert_eq!(read, json);
         assert_eq!(read.origin, run);
-        assert_eq!(
-            (read.status(whole), read.status(cut)),
-            (Some(Status::Complete), Some(Status::Interrupted(4)))
-        );
+        assert!(read.is_complete(whole) && read.has(cut) && !read.is_complete(cut));
         assert!(json.text().contains("\"a.svg\": \"interrupted after 4 of 9 steps\""), "{}", json.text());
     }
 

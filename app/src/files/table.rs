@@ -90,7 +90,7 @@ impl TrajectoryWriter {
 
 /// That nobody reads the standard output is no error.
 fn failure(path: &Path, source: io::Error) -> Error {
-    if super::is_stdout(path) { Error::Console(source) } else { FileError::write(path, source).into() }
+    if super::is_stdout(path) { Error::Console(source) } else { FileError::write(path)(source).into() }
 }
 
 /// A header and numbers.

@@ -83,12 +83,11 @@ impl Trajectory {
     /// If there is no such format, or the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        let wrong = |reason: String| SetupError::new("path", path.display(), reason);
         let format = Format::of_extension(&extension).ok_or_else(|| {
-            wrong(format!("{}: there is no format of tables `{extension}`", path.display()))
+            SetupError::new(format!("{}: there is no format of tables `{extension}`", path.display()))
         })?;
         let Some(first) = self.samples.0.first() else {
-            return Err(wrong("a trajectory without a state is no table".to_owned()).into());
+            return Err(SetupError::new("a trajectory without a state is no table").into());
         };
         let origin = self.origin();
         let mut writer = TrajectoryWriter::create(path, format, &self.entry, &origin)?;
@@ -147,7 +146,7 @@ impl Trajectory {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_systems::HeavyTop;
+    use crate::tests::HeavyTop;
 
     #[test]
     fn a_table_a_plot_and_a_page_show_what_was_given() {

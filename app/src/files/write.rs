@@ -61,7 +61,7 @@ impl NewFile {
             BEGUN.lock().unwrap_or_else(PoisonError::into_inner).push(file.path().to_owned());
             Ok((place, Sink::Temporary(file)))
         };
-        let (path, sink) = begin().map_err(|source| FileError::write(path, source))?;
+        let (path, sink) = begin().map_err(FileError::write(path))?;
         Ok(Self { path, sink: BufWriter::new(sink) })
     }
 
@@ -72,7 +72,7 @@ impl NewFile {
     pub(crate) fn with(path: &Path, content: &[u8]) -> Result<Self, FileError> {
         let mut file = Self::begin(path)?;
         let written = file.write_all(content).and_then(|()| file.flush());
-        written.map(|()| file).map_err(|source| FileError::write(path, source))
+        written.map(|()| file).map_err(FileError::write(path))
     }
 
     /// Puts the file in its place. What came there meanwhile and may not be replaced stays; this file then keeps its
@@ -97,7 +97,7 @@ impl NewFile {
             let message = format!("{}; what was to be written is in {}", refused.error, kept.display());
             Err(io::Error::new(io::ErrorKind::AlreadyExists, message))
         };
-        finish().map_err(|source| FileError::write(&path, source))
+        finish().map_err(FileError::write(&path))
     }
 }
 
@@ -164,9 +164,7 @@ pub fn write_new(path: &Path, content: &[u8], force: bool) -> Result<(), FileErr
 /// If that cannot be done.
 pub(crate) fn make_directory_of(path: &Path) -> Result<(), FileError> {
     match path.parent().filter(|directory| !directory.as_os_str().is_empty()) {
-        Some(directory) => {
-            std::fs::create_dir_all(directory).map_err(|source| FileError::write(directory, source))
-        }
+        Some(directory) => std::fs::create_dir_all(directory).map_err(FileError::write(directory)),
         None => Ok(()),
     }
 }

@@ -4,6 +4,7 @@ use coadjoint::system::{Quantity, Role};
 
 use super::format::{Detail, DetailValue, FORMAT, Page, Plot, Run, Scale, Series, Space};
 use crate::catalogue::plotted::PlottedQuantity;
+use crate::catalogue::quantities::by_key;
 use crate::catalogue::{ControlLaw, Entry, casimir, unit};
 use crate::record::{PageRecorder, PageSamples};
 use crate::scene::{self, Frames, rounded};
@@ -59,14 +60,13 @@ fn details(entry: &Entry, heading: &PageHeading<'_>) -> Vec<Detail> {
         };
         details.push(detail(quantity.name, value, unit(quantity)));
     }
-    details.push(detail("scheme", DetailValue::Text(heading.title.clone()), ""));
-    details.push(detail("step", DetailValue::Number(heading.step), "s"));
-    details.push(detail("steps", DetailValue::Number(heading.steps as f64), ""));
-    details.push(detail(
-        "made by",
-        DetailValue::Text(format!("coadjoint {}", env!("CARGO_PKG_VERSION"))),
-        "",
-    ));
+    let made = DetailValue::Text(format!("coadjoint {}", env!("CARGO_PKG_VERSION")));
+    details.extend([
+        detail("scheme", DetailValue::Text(heading.title.clone()), ""),
+        detail("step", DetailValue::Number(heading.step), "s"),
+        detail("steps", DetailValue::Number(heading.steps as f64), ""),
+        detail("made by", made, ""),
+    ]);
     details
 }
 
@@ -121,7 +121,7 @@ impl Plots<'_> {
                 std::iter::once(turning).chain(moving).collect()
             }
             0 => {
-                let parts = by_unit(quantity);
+                let parts = by_key(quantity.units.iter().copied().zip(0..));
                 let one = |(unit, places): &(&str, Vec<usize>)| {
                     let part = if parts.len() == 1 { String::new() } else { common(&names, places) };
                     plot(&part, unit, series(places))
@@ -173,18 +173,6 @@ impl Plots<'_> {
     }
 }
 
-/// Lists units, and the components that have them.
-fn by_unit(quantity: &PlottedQuantity) -> Vec<(&'static str, Vec<usize>)> {
-    let mut parts: Vec<(&str, Vec<usize>)> = Vec::new();
-    for (k, unit) in quantity.units.iter().enumerate() {
-        match parts.iter_mut().find(|(known, _)| known == unit) {
-            Some((_, places)) => places.push(k),
-            None => parts.push((unit, vec![k])),
-        }
-    }
-    parts
-}
-
 /// Finds the common beginning of some components' names, or joins them: `v` of `v1` and `v2`.
 fn common(names: &[String], places: &[usize]) -> String {
     let names: Vec<&str> = places.iter().filter_map(|&k| names.get(k).map(String::as_str)).collect();
@@ -200,7 +188,7 @@ fn common(names: &[String], places: &[usize]) -> String {
 mod tests {
     use super::*;
     use crate::record::Sample;
-    use crate::test_systems::catalogue;
+    use crate::tests::catalogue;
 
     #[test]
     fn plots_arrows_and_parameters_have_the_units_of_the_description() {

@@ -21,8 +21,13 @@ pub enum PageError {
     },
 }
 
-fn wrong<T>(place: &str, reason: impl Into<String>) -> Result<T, PageError> {
+fn wrong(place: &str, reason: impl Into<String>) -> Result<(), PageError> {
     Err(PageError::Value { place: place.to_owned(), reason: reason.into() })
+}
+
+/// Says what is wrong with a place, unless it is so.
+fn expect(is_so: bool, place: &str, reason: impl FnOnce() -> String) -> Result<(), PageError> {
+    if is_so { Ok(()) } else { wrong(place, reason()) }
 }
 
 /// A quaternion's length may be off 1 by so much: it is normalised. Farther off it is taken for a mistake.
@@ -44,9 +49,8 @@ impl Page {
     /// # Errors
     /// If something cannot be; the error names the place.
     pub fn check(&mut self) -> Result<(), PageError> {
-        if self.format != FORMAT {
-            return wrong("format", format!("expected \"{FORMAT}\", got {:?}", self.format));
-        }
+        let format = || format!("expected \"{FORMAT}\", got {:?}", self.format);
+        expect(self.format == FORMAT, "format", format)?;
         moments("time", &self.time)?;
         vector("space", self.space.ground.iter().chain(self.space.look.iter().flatten()))?;
         each("runs", &mut self.runs, |place, run| {
@@ -65,18 +69,17 @@ fn each<T>(
     things: &mut [T],
     mut check: impl FnMut(&str, &mut T) -> Result<(), PageError>,
 ) -> Result<(), PageError> {
-    if things.len() > MOST_THINGS {
-        return wrong(place, format!("has {} entries; at most {MOST_THINGS} can be shown", things.len()));
-    }
+    let count = things.len();
+    let few = || format!("has {count} entries; at most {MOST_THINGS} can be shown");
+    expect(count <= MOST_THINGS, place, few)?;
     things.iter_mut().enumerate().try_for_each(|(k, thing)| check(&format!("{place}[{k}]"), thing))
 }
 
 fn check_run(place: &str, run: &mut Run, moment_count: usize) -> Result<(), PageError> {
     moments(&format!("{place}.time"), &run.time)?;
     for (name, number) in [("turn", run.turn), ("rate", run.rate)] {
-        if number.is_some_and(|number| !(number.is_finite() && number >= 0.0)) {
-            return wrong(&format!("{place}.{name}"), "must be finite and not negative");
-        }
+        let is_angle = number.is_none_or(|number| number.is_finite() && number >= 0.0);
+        expect(is_angle, &format!("{place}.{name}"), || "must be finite and not negative".to_owned())?;
     }
     let bodies = run.bodies.len();
     each(&format!("{place}.bodies"), &mut run.bodies, |place, body| check_body(place, body, moment_count))?;
@@ -87,9 +90,10 @@ fn check_run(place: &str, run: &mut Run, moment_count: usize) -> Result<(), Page
         if arrow.frame == Frame::Body && arrow.body.is_none() {
             return wrong(&format!("{place}.frame"), "is that of a body; say which by `body`");
         }
-        match &arrow.vector {
-            Some(track) => check_track::<3>(&format!("{place}.vector"), track, moment_count),
-            None => wrong(&format!("{place}.vector"), "is missing"),
+        let place = format!("{place}.vector");
+        match &mut arrow.vector {
+            Some(track) => check_track::<3>(&place, track, moment_count, |_, _| Ok(())),
+            None => wrong(&place, "is missing"),
         }
     })?;
     each(&format!("{place}.links"), &mut run.links, |place, link| {
@@ -111,108 +115,86 @@ fn check_run(place: &str, run: &mut Run, moment_count: usize) -> Result<(), Page
 fn check_body(place: &str, body: &mut Body<Track>, moment_count: usize) -> Result<(), PageError> {
     colour(place, body.colour.as_deref())?;
     if let Some(rotation) = &mut body.rotation {
-        let place = format!("{place}.rotation");
-        check_track::<4>(&place, rotation, moment_count)?;
-        match rotation {
-            Track::Constant(one) => normalise(&place, one)?,
-            Track::Path(path) => path
-                .iter_mut()
-                .enumerate()
-                .try_for_each(|(k, quaternion)| normalise(&format!("{place}[{k}]"), quaternion))?,
-        }
+        check_track::<4>(&format!("{place}.rotation"), rotation, moment_count, normalise)?;
     }
-    if let Some(position) = &body.position {
-        check_track::<3>(&format!("{place}.position"), position, moment_count)?;
+    if let Some(position) = &mut body.position {
+        check_track::<3>(&format!("{place}.position"), position, moment_count, |_, _| Ok(()))?;
     }
     if let Some(solid) = &mut body.shape {
         let place = format!("{place}.shape");
         vector(&format!("{place}.centre"), &solid.centre)?;
         vector(&format!("{place}.rotation"), &solid.rotation)?;
         normalise(&format!("{place}.rotation"), &mut solid.rotation)?;
-        if !solid.shape.lengths().iter().all(|length| length.is_finite() && *length > 0.0) {
-            return wrong(&place, "all its lengths must be finite and positive");
-        }
+        let is_solid = solid.shape.lengths().iter().all(|length| length.is_finite() && *length > 0.0);
+        expect(is_solid, &place, || "all its lengths must be finite and positive".to_owned())?;
     }
     Ok(())
 }
 
 /// Moments that all lie ahead of each other, forwards or backwards in time.
 fn moments(place: &str, time: &[f64]) -> Result<(), PageError> {
-    if time.len() > MOST_MOMENTS {
-        return wrong(place, format!("has {} moments; at most {MOST_MOMENTS} can be shown", time.len()));
-    }
+    let count = time.len();
+    let few = || format!("has {count} moments; at most {MOST_MOMENTS} can be shown");
+    expect(count <= MOST_MOMENTS, place, few)?;
     vector(place, time)?;
     let backwards = time.last() < time.first();
     let wrong_way =
         time.windows(2).position(|pair| if backwards { pair[1] >= pair[0] } else { pair[1] <= pair[0] });
-    match wrong_way {
-        Some(k) => wrong(&format!("{place}[{}]", k + 1), "moments must follow each other in one direction"),
-        None => Ok(()),
-    }
+    wrong_way.map_or(Ok(()), |k| {
+        wrong(&format!("{place}[{}]", k + 1), "moments must follow each other in one direction")
+    })
 }
 
-fn check_track<const N: usize>(place: &str, track: &Track, moment_count: usize) -> Result<(), PageError> {
-    let check = |place: &str, v: &[f64]| {
-        if v.len() != N {
-            return wrong(place, format!("expected {N} numbers, got {}", v.len()));
-        }
-        vector(place, v)
+/// Checks a track of `N` numbers, and each of them by what is to be done `then`.
+fn check_track<const N: usize>(
+    place: &str,
+    track: &mut Track,
+    moment_count: usize,
+    then: fn(&str, &mut [f64]) -> Result<(), PageError>,
+) -> Result<(), PageError> {
+    let check = |place: &str, v: &mut Vec<f64>| {
+        expect(v.len() == N, place, || format!("expected {N} numbers, got {}", v.len()))?;
+        vector(place, &*v)?;
+        then(place, v)
     };
     match track {
         Track::Constant(one) => check(place, one),
         Track::Path(path) => {
             as_many(place, path.len(), moment_count)?;
-            path.iter().enumerate().try_for_each(|(k, v)| check(&format!("{place}[{k}]"), v))
+            path.iter_mut().enumerate().try_for_each(|(k, v)| check(&format!("{place}[{k}]"), v))
         }
     }
 }
 
 fn normalise(place: &str, quaternion: &mut [f64]) -> Result<(), PageError> {
     let length = quaternion.iter().map(|x| x * x).sum::<f64>().sqrt();
-    if !((length - 1.0).abs() <= NEARLY_UNIT) {
-        return wrong(
-            place,
-            format!("a rotation is a quaternion [w, x, y, z] of length 1; this one has {length}"),
-        );
-    }
+    let other = || format!("a rotation is a quaternion [w, x, y, z] of length 1; this one has {length}");
+    expect((length - 1.0).abs() <= NEARLY_UNIT, place, other)?;
     quaternion.iter_mut().for_each(|x| *x /= length);
     Ok(())
 }
 
 fn vector<'a>(place: &str, numbers: impl IntoIterator<Item = &'a f64>) -> Result<(), PageError> {
-    match numbers.into_iter().find(|number| !number.is_finite()) {
-        Some(number) => wrong(place, format!("{number} is not finite")),
-        None => Ok(()),
-    }
+    let infinite = numbers.into_iter().find(|number| !number.is_finite());
+    infinite.map_or(Ok(()), |number| wrong(place, format!("{number} is not finite")))
 }
 
 fn as_many(place: &str, count: usize, moment_count: usize) -> Result<(), PageError> {
-    if count == moment_count {
-        return Ok(());
-    }
-    wrong(place, format!("has {count} entries for {moment_count} moments"))
+    expect(count == moment_count, place, || format!("has {count} entries for {moment_count} moments"))
 }
 
 fn known(place: &str, body: Option<usize>, bodies: usize) -> Result<(), PageError> {
-    match body {
-        Some(body) if body >= bodies => wrong(
-            &format!("{place}.body"),
-            format!("there is no body {body}; there are {bodies}, counted from 0"),
-        ),
-        _ => Ok(()),
-    }
+    let Some(body) = body else { return Ok(()) };
+    let other = || format!("there is no body {body}; there are {bodies}, counted from 0");
+    expect(body < bodies, &format!("{place}.body"), other)
 }
 
 fn colour(place: &str, colour: Option<&str>) -> Result<(), PageError> {
     const COLOURS: [&str; 11] =
         ["solid", "second", "planet", "ink", "c0", "c1", "c2", "c3", "c4", "c5", "c6"];
-    match colour {
-        Some(other) if !COLOURS.contains(&other) => wrong(
-            &format!("{place}.colour"),
-            format!("expected one of {}, got {other:?}", COLOURS.join(", ")),
-        ),
-        _ => Ok(()),
-    }
+    let Some(colour) = colour else { return Ok(()) };
+    let other = || format!("expected one of {}, got {colour:?}", COLOURS.join(", "));
+    expect(COLOURS.contains(&colour), &format!("{place}.colour"), other)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Axes: where values lie along them, and where their ticks are.
 
 use super::number::{power_of_ten, short, with_minus};
+use crate::units::range;
 
 /// One axis of a panel.
 #[derive(Clone, Debug)]
@@ -197,9 +198,7 @@ fn step(rough: f64) -> f64 {
 
 /// From the least value to the greatest, with a margin or without.
 fn extent(values: impl Iterator<Item = f64>, margin: bool) -> (f64, f64) {
-    let none = (f64::INFINITY, f64::NEG_INFINITY);
-    let finite = values.filter(|value| value.is_finite());
-    let (low, high) = finite.fold(none, |(low, high), value| (low.min(value), high.max(value)));
+    let (low, high) = range(values.filter(|value| value.is_finite()));
     if low > high {
         return (0.0, 1.0);
     }
@@ -214,11 +213,9 @@ fn extent(values: impl Iterator<Item = f64>, margin: bool) -> (f64, f64) {
 
 /// Whole powers of ten around the magnitudes, as logarithms.
 fn decades(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let none = (f64::INFINITY, 0.0_f64);
-    let positive = values.map(f64::abs).filter(|x| *x > 0.0 && x.is_finite());
-    let (least, greatest) = positive.fold(none, |(low, high), x| (low.min(x), high.max(x)));
+    let (least, greatest) = range(values.map(f64::abs).filter(|x| *x > 0.0 && x.is_finite()));
     // nothing but zeros: the place where roundoff would be
-    if greatest == 0.0 {
+    if least > greatest {
         return (-17.0, -16.0);
     }
     let low = (least.log10() - 0.02).floor();

@@ -2,7 +2,7 @@
 
 use super::scene::Point;
 
-/// A rectangle: that series are drawn in, or around a text.
+/// A rectangle that series are drawn in.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     pub(super) left: f64,
@@ -12,7 +12,7 @@ pub(super) struct Frame {
 }
 
 /// Points this far outside are on the edge.
-pub(super) const ROUNDOFF: f64 = 1e-6;
+const ROUNDOFF: f64 = 1e-6;
 
 impl Frame {
     pub(super) fn width(&self) -> f64 {
@@ -24,18 +24,7 @@ impl Frame {
     }
 
     pub(super) fn holds(&self, (x, y): Point) -> bool {
-        (self.left..=self.right).contains(&x) && (self.top..=self.bottom).contains(&y)
-    }
-
-    pub(super) fn meets(&self, other: &Self) -> bool {
-        self.left < other.right
-            && other.left < self.right
-            && self.top < other.bottom
-            && other.top < self.bottom
-    }
-
-    pub(super) fn grown(&self, by: f64) -> Self {
-        Self { left: self.left - by, right: self.right + by, top: self.top - by, bottom: self.bottom + by }
+        is_between(x, self.left, self.right) && is_between(y, self.top, self.bottom)
     }
 
     /// The point itself, or the one on the edge that is nearest.
@@ -50,7 +39,7 @@ impl Frame {
             [(from.0, to.0 - from.0, self.left, self.right), (from.1, to.1 - from.1, self.top, self.bottom)];
         for (at, change, low, high) in sides {
             if change == 0.0 {
-                if !(low - ROUNDOFF..=high + ROUNDOFF).contains(&at) {
+                if !is_between(at, low, high) {
                     return None;
                 }
                 continue;
@@ -61,6 +50,10 @@ impl Frame {
         }
         (start <= end).then_some((start, end))
     }
+}
+
+fn is_between(at: f64, low: f64, high: f64) -> bool {
+    (low - ROUNDOFF..=high + ROUNDOFF).contains(&at)
 }
 
 /// The pieces of a line that are within a frame; it is broken where it is not finite.

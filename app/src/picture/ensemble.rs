@@ -6,7 +6,7 @@ use super::{Axis, Color, Figure, Key, Panel, Series};
 use crate::catalogue::Entry;
 use crate::catalogue::quantities::components;
 use crate::simulate::ensemble::{EnsembleSpec, EnsembleSummary, Observable};
-use crate::units::{grouped, with_unit};
+use crate::units::{grouped, range, with_unit};
 
 /// Between which quantiles the bands lie, from the widest, how they are called, and how they cover what is below.
 const BANDS: [(usize, usize, &str, f64); 3] =
@@ -38,10 +38,7 @@ pub(crate) fn figure(
         Panel::new(Axis::linear(TIME), Axis::linear(label), series)
     };
     let panels: Vec<Panel> = named.iter().zip(&summary.spreads).map(panel).collect();
-    let times = |of: fn(f64, f64) -> f64| {
-        let times = summary.spreads.iter().flatten().map(|spread| spread.time);
-        times.reduce(of).unwrap_or(0.0)
-    };
+    let span = range(summary.spreads.iter().flatten().map(|spread| spread.time));
     let mut title = format!(
         "{} of {}, {}",
         grouped(spec.members as u64),
@@ -51,5 +48,5 @@ pub(crate) fn figure(
     if !summary.failed.is_empty() {
         title += &format!("; {} failed on the way", grouped(summary.failed.len() as u64));
     }
-    Figure::over_time(title, TIME, (times(f64::min), times(f64::max)), Key::Above, panels)
+    Figure::over_time(title, TIME, span, Key::Above, panels)
 }

@@ -7,6 +7,8 @@ use std::sync::LazyLock;
 #[cfg(feature = "png")]
 use ttf_parser::OutlineBuilder;
 use ttf_parser::{Face, GlyphId};
+#[cfg(feature = "png")]
+use zeno::{Command, PathBuilder, Transform};
 
 /// The fonts that an SVG asks for.
 pub(super) const FAMILIES: &str =
@@ -37,17 +39,47 @@ fn glyphs(text: &str, size: f64) -> impl Iterator<Item = Glyph> {
     })
 }
 
-/// Draws the outlines of a text of this size; before each letter the pen is told how far it is from the start, and the
-/// size of a unit.
+/// Draws the outlines of a text of this size, from its start to the right; up is negative.
 #[cfg(feature = "png")]
-pub(super) fn outline<P: OutlineBuilder>(text: &str, size: f64, pen: &mut P, place: fn(&mut P, f64, f64)) {
-    let Some(face) = FACE.as_ref() else { return };
-    let mut x = 0.0;
+pub(super) fn outline(text: &str, size: f64) -> Vec<Command> {
+    let Some(face) = FACE.as_ref() else { return Vec::new() };
+    let unit = (size / f64::from(face.units_per_em())) as f32;
+    let (mut path, mut x) = (Vec::new(), 0.0);
     for Glyph { id, advance } in glyphs(text, size) {
-        place(pen, x, size / f64::from(face.units_per_em()));
+        let mut letter = Letter(Vec::new());
         // a space has no outline
-        let _ = face.outline_glyph(id, pen);
+        let _ = face.outline_glyph(id, &mut letter);
+        let place = Transform::scale(unit, -unit).then_translate(x as f32, 0.0);
+        path.extend(letter.0.iter().map(|command| command.transform(&place)));
         x += advance;
+    }
+    path
+}
+
+/// The outline of a letter, in the font's units.
+#[cfg(feature = "png")]
+struct Letter(Vec<Command>);
+
+#[cfg(feature = "png")]
+impl OutlineBuilder for Letter {
+    fn move_to(&mut self, x: f32, y: f32) {
+        self.0.move_to([x, y]);
+    }
+
+    fn line_to(&mut self, x: f32, y: f32) {
+        self.0.line_to([x, y]);
+    }
+
+    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
+        self.0.quad_to([x1, y1], [x, y]);
+    }
+
+    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
+        self.0.curve_to([x1, y1], [x2, y2], [x, y]);
+    }
+
+    fn close(&mut self) {
+        self.0.close();
     }
 }
 

@@ -1,12 +1,12 @@
 //! Where everything of a picture is: frames, axes, keys and series.
 
 use super::axis::{Placement, Tick};
-use super::clip::{Frame, ROUNDOFF, clipped};
+use super::clip::{Frame, clipped};
 use super::font;
-use super::labels;
 use super::palette::Color;
 use super::scene::{Anchor, Point, Scene, Shape, Text};
 use super::{Figure, Key, Panel, Series, Style};
+use crate::units::range;
 
 /// Sizes of letters.
 const TITLE: f64 = 17.0;
@@ -33,12 +33,8 @@ struct Placed<'a> {
     is_labelled: (bool, bool),
 }
 
-/// The room around the frames of a row or a column.
-#[derive(Clone, Copy, Default)]
-struct Margin {
-    before: f64,
-    after: f64,
-}
+/// The room before and behind the frames of a row or a column.
+type Margin = (f64, f64);
 
 pub(super) fn scene(figure: &Figure) -> Scene {
     let columns = figure.columns.max(1);
@@ -46,10 +42,7 @@ pub(super) fn scene(figure: &Figure) -> Scene {
     let rows = placed.len().div_ceil(columns);
     let margin = |of: &dyn Fn(&Placed<'_>) -> Margin, is_in: &dyn Fn(usize) -> bool| {
         let margins = placed.iter().enumerate().filter(|(i, _)| is_in(*i)).map(|(_, placed)| of(placed));
-        margins.fold(Margin::default(), |a, b| Margin {
-            before: a.before.max(b.before),
-            after: a.after.max(b.after),
-        })
+        margins.fold((0.0, 0.0), |a: Margin, b| (a.0.max(b.0), a.1.max(b.1)))
     };
     let across: Vec<Margin> = (0..columns)
         .map(|column| margin(&|placed| placed.beside(figure.cell), &|i| i % columns == column))
@@ -57,7 +50,7 @@ pub(super) fn scene(figure: &Figure) -> Scene {
     let down: Vec<Margin> =
         (0..rows).map(|row| margin(&|placed| placed.around(figure.key), &|i| i / columns == row)).collect();
     let (width, height) = figure.cell;
-    let full = EDGE + across.iter().map(|margin| margin.before + width + margin.after).sum::<f64>() + EDGE;
+    let full = EDGE + across.iter().map(|(before, behind)| before + width + behind).sum::<f64>() + EDGE;
     let mut scene = Scene { width: full, height: 0.0, shapes: Vec::new() };
     let mut y = EDGE;
     if !figure.title.is_empty() {
@@ -67,23 +60,19 @@ pub(super) fn scene(figure: &Figure) -> Scene {
     if figure.key == Key::Above {
         // a panel's only series is what its axis says
         let panels = figure.panels.iter().filter(|panel| panel.has_key() || figure.panels.len() == 1);
-        let all: Vec<&Series> = panels.flat_map(|panel| &panel.series).collect();
-        y = key_in_lines(&mut scene, &all, y);
+        y = key_in_lines(&mut scene, &named(panels.flat_map(|panel| &panel.series)), y);
     }
     let mut panels = placed.iter();
-    for (row, margin) in down.iter().enumerate() {
-        y += margin.before;
+    for (above, below) in down {
+        y += above;
         let mut x = EDGE;
-        for (column, (beside, panel)) in across.iter().zip(panels.by_ref()).enumerate() {
-            x += beside.before;
+        for ((before, behind), panel) in across.iter().zip(panels.by_ref()) {
+            x += before;
             let frame = Frame { left: x, right: x + width, top: y, bottom: y + height };
-            let lines = panel.draw(&mut scene, &frame, figure.key);
-            if figure.key == Key::Lines && (row, column) == (0, 0) {
-                labels::place(&mut scene, &frame, &lines, SMALL);
-            }
-            x += width + beside.after;
+            panel.draw(&mut scene, &frame, figure.key);
+            x += width + behind;
         }
-        y += height + margin.after;
+        y += height + below;
     }
     scene.height = y + 0.5 * EDGE;
     scene
@@ -92,20 +81,19 @@ pub(super) fn scene(figure: &Figure) -> Scene {
 /// The panels with their axes; those that share an axis have the same.
 fn placed(figure: &Figure, columns: usize) -> Vec<Placed<'_>> {
     let mut placed: Vec<Placed<'_>> = figure.panels.iter().map(|panel| panel.placed(figure.cell)).collect();
-    let union = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
     let (horizontal, vertical): (Vec<_>, Vec<_>) =
         placed.iter().map(|placed| (placed.horizontal.ends, placed.vertical.ends)).unzip();
+    let ends = |(low, high): (f64, f64)| [low, high];
     let count = placed.len();
     for (i, panel) in placed.iter_mut().enumerate() {
         if figure.shared.0 {
             let column = (0..count).filter(|k| k % columns == i % columns);
-            panel.horizontal =
-                panel.horizontal.over(column.map(|k| horizontal[k]).fold(horizontal[i], union));
+            panel.horizontal = panel.horizontal.over(range(column.flat_map(|k| ends(horizontal[k]))));
             panel.is_labelled.0 = i + columns >= count;
         }
         if figure.shared.1 {
             let row = (0..count).filter(|k| k / columns == i / columns);
-            panel.vertical = panel.vertical.over(row.map(|k| vertical[k]).fold(vertical[i], union));
+            panel.vertical = panel.vertical.over(range(row.flat_map(|k| ends(vertical[k]))));
             panel.is_labelled.1 = i % columns == 0;
         }
     }
@@ -131,6 +119,10 @@ impl Panel {
         Placed { panel: self, horizontal, vertical, is_labelled: (true, true) }
     }
 
+    fn has_key(&self) -> bool {
+        self.series.iter().filter(|series| !series.label.is_empty()).count() > 1
+    }
+
     fn has_marks(&self) -> bool {
         self.series.iter().any(|series| series.style.mark().is_some())
     }
@@ -148,7 +140,7 @@ impl Placed<'_> {
         let widest = widest.map(|label| font::width(label, SMALL)).fold(0.0, f64::max);
         let label = if self.panel.y.label.is_empty() { 0.0 } else { LABEL + GAP };
         let before = if self.is_labelled.1 { label + widest + GAP } else { 0.0 };
-        Margin { before, after: 24.0 }
+        (before, 24.0)
     }
 
     /// Above and below the frame.
@@ -156,11 +148,10 @@ impl Placed<'_> {
         let is_headed = !self.panel.title.is_empty() || (key == Key::Each && self.panel.has_key());
         let label = if self.panel.x.label.is_empty() { 0.0 } else { LINE };
         let after = if self.is_labelled.0 { GAP + SMALL + label } else { 0.0 };
-        Margin { before: if is_headed { LINE + 6.0 } else { 14.0 }, after: after + 6.0 }
+        (if is_headed { LINE + 6.0 } else { 14.0 }, after + 6.0)
     }
 
-    /// The answer is where its series are.
-    fn draw(&self, scene: &mut Scene, frame: &Frame, key: Key) -> Vec<(&Series, Vec<Point>)> {
+    fn draw(&self, scene: &mut Scene, frame: &Frame, key: Key) {
         let [across, up] = self.ticks((frame.width(), frame.height()));
         self.draw_grid(scene, frame, &across, &up);
         let place = |&(x, y): &Point| {
@@ -169,14 +160,9 @@ impl Placed<'_> {
                 frame.top + frame.height() * (1.0 - self.vertical.place(y)),
             )
         };
-        let lines: Vec<(&Series, Vec<Point>)> = self
-            .panel
-            .series
-            .iter()
-            .map(|series| (series, series.points.iter().map(place).collect()))
-            .collect();
-        for (series, points) in &lines {
-            draw_series(scene, frame, series, points);
+        for series in &self.panel.series {
+            let points: Vec<Point> = series.points.iter().map(place).collect();
+            draw_series(scene, frame, series, (&points, &points));
         }
         let corners = [
             (frame.left, frame.top),
@@ -193,7 +179,6 @@ impl Placed<'_> {
         if key == Key::Each && self.panel.has_key() {
             key_right(scene, &self.panel.series, frame);
         }
-        lines
     }
 
     fn draw_grid(&self, scene: &mut Scene, frame: &Frame, across: &[Tick], up: &[Tick]) {
@@ -241,7 +226,8 @@ impl Placed<'_> {
     }
 }
 
-fn draw_series(scene: &mut Scene, frame: &Frame, series: &Series, points: &[Point]) {
+/// Draws a series through these points, with its marks at those.
+fn draw_series(scene: &mut Scene, frame: &Frame, series: &Series, (points, marks): (&[Point], &[Point])) {
     let color = series.color;
     match series.style {
         Style::Band(opacity) => {
@@ -272,7 +258,7 @@ fn draw_series(scene: &mut Scene, frame: &Frame, series: &Series, points: &[Poin
                 }
             }
             if let Some(mark) = series.style.mark() {
-                let at = points.iter().copied().filter(|point| frame.grown(ROUNDOFF).holds(*point)).collect();
+                let at = marks.iter().copied().filter(|point| frame.holds(*point)).collect();
                 scene.shapes.push(Shape::Marks { at, mark, color });
             }
         }
@@ -280,9 +266,9 @@ fn draw_series(scene: &mut Scene, frame: &Frame, series: &Series, points: &[Poin
 }
 
 /// Series with a name, each name once.
-fn named<'a>(series: &[&'a Series]) -> Vec<&'a Series> {
+fn named<'a>(series: impl Iterator<Item = &'a Series>) -> Vec<&'a Series> {
     let mut named: Vec<&Series> = Vec::new();
-    for series in series.iter().filter(|series| !series.label.is_empty()) {
+    for series in series.filter(|series| !series.label.is_empty()) {
         if named.iter().all(|known| known.label != series.label) {
             named.push(series);
         }
@@ -291,12 +277,11 @@ fn named<'a>(series: &[&'a Series]) -> Vec<&'a Series> {
 }
 
 /// Every name once with how its series look, in lines from `y` on; the answer is where the last one ends.
-fn key_in_lines(scene: &mut Scene, series: &[&Series], mut y: f64) -> f64 {
+fn key_in_lines(scene: &mut Scene, named: &[&Series], mut y: f64) -> f64 {
     const APART: f64 = 22.0;
-    let named = named(series);
     let length = |series: &Series| SAMPLE + GAP + font::width(&series.label, SMALL) + APART;
     let room = scene.width - 2.0 * EDGE;
-    let mut rest = named.as_slice();
+    let mut rest = named;
     while !rest.is_empty() {
         let mut total = 0.0;
         let fits = rest.iter().take_while(|series| {
@@ -325,9 +310,8 @@ fn key_in_lines(scene: &mut Scene, series: &[&Series], mut y: f64) -> f64 {
 
 /// In one line, to the right above a frame.
 fn key_right(scene: &mut Scene, series: &[Series], frame: &Frame) {
-    let all: Vec<&Series> = series.iter().collect();
     let mut x = frame.right;
-    for series in named(&all).into_iter().rev() {
+    for series in named(series.iter()).into_iter().rev() {
         scene.text((x, frame.top - GAP), &series.label, SMALL, Anchor::End);
         x -= font::width(&series.label, SMALL) + GAP + SAMPLE;
         sample(scene, series, (x, frame.top - GAP - 0.35 * SMALL));
@@ -335,25 +319,16 @@ fn key_right(scene: &mut Scene, series: &[Series], frame: &Frame) {
     }
 }
 
-/// How a series looks.
+/// Shows how a series looks.
 fn sample(scene: &mut Scene, series: &Series, (x, y): Point) {
-    let color = series.color;
-    match series.style {
-        Style::Band(opacity) => {
-            let points = vec![(x, y - 5.0), (x + SAMPLE, y - 5.0), (x + SAMPLE, y + 5.0), (x, y + 5.0)];
-            scene.shapes.push(Shape::Area { points, color, opacity });
-        }
-        Style::Bars => scene.line(vec![(x + 0.5 * SAMPLE, y - 6.0), (x + 0.5 * SAMPLE, y + 6.0)], color, 1.5),
-        _ => {
-            if let Some(dashed) = series.style.line() {
-                let points = vec![(x, y), (x + SAMPLE, y)];
-                scene.shapes.push(Shape::Line { points, color, width: 2.0, dashed });
-            }
-            if let Some(mark) = series.style.mark() {
-                scene.shapes.push(Shape::Marks { at: vec![(x + 0.5 * SAMPLE, y)], mark, color });
-            }
-        }
-    }
+    let at = |part: f64, down: f64| (x + part * SAMPLE, y + down);
+    let (points, marks) = match series.style {
+        Style::Band(_) => (vec![at(0.0, -5.0), at(1.0, -5.0), at(0.0, 5.0), at(1.0, 5.0)], Vec::new()),
+        Style::Bars => (vec![at(0.5, 6.0), at(0.5, -6.0)], Vec::new()),
+        _ => (vec![at(0.0, 0.0), at(1.0, 0.0)], vec![at(0.5, 0.0)]),
+    };
+    let everywhere = Frame { left: f64::MIN, right: f64::MAX, top: f64::MIN, bottom: f64::MAX };
+    draw_series(scene, &everywhere, series, (&points, &marks));
 }
 
 impl Series {
@@ -362,14 +337,8 @@ impl Series {
     }
 }
 
-impl Panel {
-    fn has_key(&self) -> bool {
-        self.series.iter().filter(|series| !series.label.is_empty()).count() > 1
-    }
-}
-
 fn text(at: Point, text: &str, size: f64, anchor: Anchor) -> Text {
-    Text { at, text: text.to_owned(), size, color: Color::Ink, anchor, upwards: false, halo: false }
+    Text { at, text: text.to_owned(), size, color: Color::Ink, anchor, upwards: false }
 }
 
 impl Scene {

@@ -6,7 +6,6 @@ mod axis;
 mod clip;
 mod ensemble;
 mod font;
-mod labels;
 mod layout;
 mod number;
 mod palette;
@@ -48,8 +47,6 @@ pub enum Key {
     Above,
     /// Above each panel with more than one named series.
     Each,
-    /// At the lines of the first panel.
-    Lines,
 }
 
 /// One panel: series in the plane of two quantities.

@@ -3,38 +3,40 @@
 /// `0.25`, but `2·10⁷`: large and small numbers by their power of ten.
 pub fn short(value: f64) -> String {
     // ticks are round up to roundoff
-    let round = format!("{value:.9e}");
-    let (digits, exponent) = round.split_once('e').unwrap_or((&round, "0"));
+    let (digits, exponent) = scientific(value, 9);
     let digits =
-        if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { digits };
-    let exponent: i32 = exponent.parse().unwrap_or(0);
+        if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { &digits };
     if value == 0.0 {
         "0".to_owned()
     } else if (-3..5).contains(&exponent) {
-        let places = digits.trim_start_matches('-').len().saturating_sub(2) as i32 - exponent;
+        let places = digits.trim_start_matches('−').len().saturating_sub(2) as i32 - exponent;
         with_minus(&format!("{value:.*}", places.max(0) as usize))
     } else {
         let power = power_of_ten(f64::from(exponent));
-        match digits {
-            "1" => power,
-            "-1" => format!("−{power}"),
-            _ => format!("{}·{power}", with_minus(digits)),
+        match digits.strip_suffix('1') {
+            Some(sign @ ("" | "−")) => format!("{sign}{power}"),
+            _ => format!("{digits}·{power}"),
         }
     }
 }
 
 /// Two digits of a magnitude: `3.1·10⁻⁹`; between 0.01 and 1000 without a power of ten.
 pub fn two_digits(value: f64) -> String {
-    let text = format!("{value:.1e}");
-    let Some((digits, exponent)) = text.split_once('e') else { return text };
-    let exponent: i32 = exponent.parse().unwrap_or(0);
+    let (digits, exponent) = scientific(value, 1);
     if value == 0.0 {
         "0".to_owned()
     } else if (-2..3).contains(&exponent) {
         with_minus(&format!("{value:.*}", (1 - exponent).max(0) as usize))
     } else {
-        format!("{}·{}", with_minus(digits), power_of_ten(f64::from(exponent)))
+        format!("{digits}·{}", power_of_ten(f64::from(exponent)))
     }
+}
+
+/// Splits a number into its digits, with so many behind the point, and its power of ten.
+fn scientific(value: f64, places: usize) -> (String, i32) {
+    let text = format!("{value:.places$e}");
+    let (digits, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+    (with_minus(digits), exponent.parse().unwrap_or(0))
 }
 
 /// `10⁻¹²` for −12.

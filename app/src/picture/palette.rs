@@ -93,9 +93,9 @@ impl Color {
     /// Red, green and blue on white.
     #[cfg(feature = "png")]
     pub(super) fn rgb(self) -> [u8; 3] {
-        let digits = self.hex()[0].trim_start_matches('#');
-        [0, 2, 4]
-            .map(|at| digits.get(at..at + 2).and_then(|pair| u8::from_str_radix(pair, 16).ok()).unwrap_or(0))
+        let digits = u32::from_str_radix(self.hex()[0].trim_start_matches('#'), 16);
+        let [_, red, green, blue] = digits.unwrap_or(0).to_be_bytes();
+        [red, green, blue]
     }
 }
 

@@ -1,35 +1,29 @@
 //! A picture as pixels, drawn as browsers draw it: the same shapes, with the font that is built in.
 
-use ttf_parser::OutlineBuilder;
-use zeno::{Cap, Command, Join, Mask, PathBuilder, Stroke, Style, Vector};
+use zeno::{Angle, Cap, Command, Join, Mask, PathBuilder, Stroke, Style, Transform, Vector};
 
 use super::font;
 use super::palette::Color;
-use super::scene::{Anchor, DASHES, HALO, Mark, Point, RADIUS, RING, Scene, Shape, Text};
+use super::scene::{Anchor, DASHES, Mark, Point, RADIUS, RING, Scene, Shape, Text};
 
 /// Pixels to a unit: sharp in print and on dense screens.
-const SCALE: f64 = 2.0;
+const SCALE: f32 = 2.0;
 
 /// The picture as a PNG file, on white.
 pub(super) fn png(scene: &Scene) -> Vec<u8> {
-    let mut canvas = Canvas::new((scene.width.ceil() * SCALE) as u32, (scene.height.ceil() * SCALE) as u32);
+    let [width, height] = [scene.width, scene.height].map(|length| length.ceil() as u32 * SCALE as u32);
+    let mut canvas = Canvas { width, pixels: vec![255; width as usize * height as usize * 3] };
     for shape in &scene.shapes {
         canvas.draw(shape);
     }
-    encoded(canvas.width, &canvas.pixels)
-}
-
-/// Encodes rows of this width, three bytes a pixel, as a PNG file.
-fn encoded(width: u32, pixels: &[u8]) -> Vec<u8> {
-    let height = pixels.len() / (width as usize * 3).max(1);
     let mut file = Vec::new();
-    let mut encoder = png::Encoder::new(&mut file, width, height as u32);
+    let mut encoder = png::Encoder::new(&mut file, width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_compression(png::Compression::Balanced);
     // the smallest files of lines on white
     encoder.set_filter(png::Filter::NoFilter);
     // writing to memory does not fail
-    let _ = encoder.write_header().and_then(|mut writer| writer.write_image_data(pixels));
+    let _ = encoder.write_header().and_then(|mut writer| writer.write_image_data(&canvas.pixels));
     file
 }
 
@@ -42,22 +36,17 @@ struct Canvas {
 type Path = Vec<Command>;
 
 fn vector((x, y): Point) -> Vector {
-    Vector::new((x * SCALE) as f32, (y * SCALE) as f32)
+    Vector::new(x as f32, y as f32)
 }
 
 impl Canvas {
-    fn new(width: u32, height: u32) -> Self {
-        Self { width, pixels: vec![255; width as usize * height as usize * 3] }
-    }
-
     fn draw(&mut self, shape: &Shape) {
         match shape {
             Shape::Line { points, color, width, dashed } => {
-                let dashes = DASHES.map(|length| (length * SCALE) as f32);
-                let mut stroke = Stroke::new((width * SCALE) as f32);
+                let mut stroke = Stroke::new(*width as f32);
                 stroke.join(Join::Round).cap(Cap::Butt);
                 if *dashed {
-                    stroke.dash(&dashes, 0.0);
+                    stroke.dash(&DASHES, 0.0);
                 }
                 self.fill(&polyline(points), stroke, *color, 1.0);
             }
@@ -67,21 +56,14 @@ impl Canvas {
                 self.fill(&path, zeno::Fill::NonZero, *color, *opacity);
             }
             Shape::Marks { at, mark, color } => {
+                let (radius, style): (f64, Style<'_>) = match mark {
+                    Mark::Dot => (RADIUS, zeno::Fill::NonZero.into()),
+                    Mark::Ring => (RING.0, Stroke::new(RING.1 as f32).into()),
+                };
                 for point in at {
                     let mut path = Path::new();
-                    let circle = |path: &mut Path, radius: f64| {
-                        path.add_circle(vector(*point), (radius * SCALE) as f32);
-                    };
-                    match mark {
-                        Mark::Dot => {
-                            circle(&mut path, RADIUS);
-                            self.fill(&path, zeno::Fill::NonZero, *color, 1.0);
-                        }
-                        Mark::Ring => {
-                            circle(&mut path, RING.0);
-                            self.fill(&path, Stroke::new((RING.1 * SCALE) as f32), *color, 1.0);
-                        }
-                    }
+                    path.add_circle(vector(*point), radius as f32);
+                    self.fill(&path, style, *color, 1.0);
                 }
             }
             Shape::Text(text) => self.text(text),
@@ -89,27 +71,24 @@ impl Canvas {
     }
 
     fn text(&mut self, text: &Text) {
-        let length = font::width(&text.text, text.size);
+        let length = font::width(&text.text, text.size) as f32;
         let back = match text.anchor {
             Anchor::Start => 0.0,
             Anchor::Middle => 0.5 * length,
             Anchor::End => length,
         };
-        let mut pen = Pen { path: Path::new(), text, back, along: 0.0, unit: 0.0 };
-        font::outline(&text.text, text.size, &mut pen, |pen, x, unit| {
-            (pen.along, pen.unit) = (x - pen.back, unit);
-        });
-        let path = pen.path;
-        if text.halo {
-            let mut stroke = Stroke::new((HALO * SCALE) as f32);
-            self.fill(&path, stroke.join(Join::Round), Color::Paper, 1.0);
-        }
+        let turn = Angle::from_degrees(if text.upwards { -90.0 } else { 0.0 });
+        let Vector { x, y } = vector(text.at);
+        let place = Transform::translation(-back, 0.0).then_rotate(turn).then_translate(x, y);
+        let outline = font::outline(&text.text, text.size);
+        let path: Path = outline.iter().map(|command| command.transform(&place)).collect();
         self.fill(&path, zeno::Fill::NonZero, text.color, 1.0);
     }
 
     /// Puts a colour where the path is.
     fn fill<'a>(&mut self, path: &Path, style: impl Into<Style<'a>>, color: Color, opacity: f64) {
-        let (mask, place) = Mask::new(path).style(style).render();
+        let scaled = Some(Transform::scale(SCALE, SCALE));
+        let (mask, place) = Mask::new(path).style(style).transform(scaled).render();
         let (color, width) = (color.rgb(), self.width as usize);
         // most of what surrounds a line is not covered
         for (k, coverage) in mask.into_iter().enumerate().filter(|(_, coverage)| *coverage > 0) {
@@ -127,58 +106,7 @@ impl Canvas {
 }
 
 fn polyline(points: &[Point]) -> Path {
-    let mut path = Path::new();
-    for (k, point) in points.iter().enumerate() {
-        match k {
-            0 => path.move_to(vector(*point)),
-            _ => path.line_to(vector(*point)),
-        };
-    }
-    path
-}
-
-/// Draws a letter's outline where it belongs.
-struct Pen<'a> {
-    path: Path,
-    text: &'a Text,
-    /// How far before the text's position it begins.
-    back: f64,
-    /// How far from the text's position this letter begins.
-    along: f64,
-    /// The size of the font's unit.
-    unit: f64,
-}
-
-impl Pen<'_> {
-    fn point(&self, x: f32, y: f32) -> Vector {
-        let (along, up) = (self.along + f64::from(x) * self.unit, f64::from(y) * self.unit);
-        let (x, y) = self.text.at;
-        vector(if self.text.upwards { (x - up, y - along) } else { (x + along, y - up) })
-    }
-}
-
-impl OutlineBuilder for Pen<'_> {
-    fn move_to(&mut self, x: f32, y: f32) {
-        let to = self.point(x, y);
-        self.path.move_to(to);
-    }
-
-    fn line_to(&mut self, x: f32, y: f32) {
-        let to = self.point(x, y);
-        self.path.line_to(to);
-    }
-
-    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
-        let (control, to) = (self.point(x1, y1), self.point(x, y));
-        self.path.quad_to(control, to);
-    }
-
-    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
-        let (first, second, to) = (self.point(x1, y1), self.point(x2, y2), self.point(x, y));
-        self.path.curve_to(first, second, to);
-    }
-
-    fn close(&mut self) {
-        self.path.close();
-    }
+    let mut points = points.iter().map(|point| vector(*point));
+    let start = points.next().map(Command::MoveTo);
+    start.into_iter().chain(points.map(Command::LineTo)).collect()
 }

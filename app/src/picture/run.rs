@@ -1,6 +1,7 @@
 //! The picture of a run: the state, and the errors of the conserved quantities, over time.
 
 use super::{Axis, Color, Figure, Key, Panel, Series};
+use crate::catalogue::quantities::by_key;
 use crate::catalogue::{Entry, casimir};
 use crate::record::{Curves, Envelope, Part, PartKind, parts};
 use crate::units::with_unit;
@@ -54,22 +55,20 @@ fn unit(part: &Part<'_>, k: usize, curve: &Envelope) -> (&'static str, f64) {
 
 /// Draws panels with these curves, one for each unit.
 fn state_panels(part: &Part<'_>, curves: &[Envelope]) -> Vec<Panel> {
-    let mut panels: Vec<(&str, Vec<Series>)> = Vec::new();
-    for (k, (name, curve)) in part.names().into_iter().zip(curves).enumerate() {
+    let curves = part.names().into_iter().zip(curves).enumerate().map(|(k, (name, curve))| {
         let (unit, scale) = unit(part, k, curve);
         let mut series = series(curve, &name.replace('_', " "), Color::component(k), scale);
         if k >= Color::COMPONENTS {
             // its colour is taken
             series.iter_mut().for_each(|series| series.style = series.style.dashed());
         }
-        match panels.iter_mut().find(|(known, _)| *known == unit) {
-            Some((_, panel)) => panel.extend(series),
-            None => panels.push((unit, series)),
-        }
-    }
+        (unit, series)
+    });
+    let panels = by_key(curves);
     // alone, a curve needs a name only if others of its quantity are elsewhere
     let count = panels.len();
-    let panel = |(unit, series): (&str, Vec<Series>)| {
+    let panel = |(unit, series): (&str, Vec<Vec<Series>>)| {
+        let series = series.concat();
         let names: Vec<&str> =
             series.iter().map(|series| series.label.as_str()).filter(|label| !label.is_empty()).collect();
         let label = match names[..] {
@@ -102,7 +101,7 @@ pub fn series(curve: &Envelope, label: &str, color: Color, unit: f64) -> Vec<Ser
 mod tests {
     use super::*;
     use crate::record::Sample;
-    use crate::test_systems::catalogue;
+    use crate::tests::catalogue;
 
     #[test]
     fn axes_have_the_units_of_the_description() {

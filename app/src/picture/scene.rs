@@ -47,8 +47,6 @@ pub(super) struct Text {
     pub(super) anchor: Anchor,
     /// Turned, to be read upwards.
     pub(super) upwards: bool,
-    /// With a margin that covers what is below.
-    pub(super) halo: bool,
 }
 
 /// The part of a text that is at its position.
@@ -59,7 +57,5 @@ pub(super) enum Anchor {
     End,
 }
 
-/// How wide the margin of a text is.
-pub(super) const HALO: f64 = 4.0;
 /// A dash and a gap.
-pub(super) const DASHES: [f64; 2] = [6.0, 4.0];
+pub(super) const DASHES: [f32; 2] = [6.0, 4.0];

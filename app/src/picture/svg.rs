@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use super::font::FAMILIES;
 use super::palette::Color;
-use super::scene::{Anchor, DASHES, HALO, Mark, Point, RADIUS, RING, Scene, Shape, Text};
+use super::scene::{Anchor, DASHES, Mark, Point, RADIUS, RING, Scene, Shape, Text};
 
 /// The picture's text. Colours are attributes, which everything that draws SVG understands; where dark ones are asked
 /// for, a style takes their place.
@@ -19,8 +19,7 @@ pub(super) fn svg(scene: &Scene, title: &str) -> String {
     let [paper, dark_paper] = Color::Paper.hex();
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
-         font-family=\"{FAMILIES}\">\n<title>{}</title>\n<style>\n@media (prefers-color-scheme: dark) {{\n.paper {{ fill: {dark_paper} }}\n\
-         .halo {{ stroke: {dark_paper} }}\n{}}}\n</style>\n<rect class=\"paper\" width=\"{width}\" height=\"{height}\" fill=\"{paper}\"/>\n{body}</svg>\n",
+         font-family=\"{FAMILIES}\">\n<title>{}</title>\n<style>\n@media (prefers-color-scheme: dark) {{\n.paper {{ fill: {dark_paper} }}\n{}}}\n</style>\n<rect class=\"paper\" width=\"{width}\" height=\"{height}\" fill=\"{paper}\"/>\n{body}</svg>\n",
         escape(title),
         dark(scene),
     )
@@ -28,20 +27,16 @@ pub(super) fn svg(scene: &Scene, title: &str) -> String {
 
 /// Rules for the colours that the picture has.
 fn dark(scene: &Scene) -> String {
-    let mut rules = BTreeSet::new();
-    for shape in &scene.shapes {
-        let (color, properties): (Color, &[&str]) = match shape {
-            Shape::Line { color, .. } => (*color, &["stroke"]),
-            Shape::Marks { mark: Mark::Ring, color, .. } => (*color, &["stroke"]),
-            Shape::Marks { color, .. } | Shape::Area { color, .. } => (*color, &["fill"]),
-            Shape::Text(text) => (text.color, &["fill"]),
+    let rule = |shape: &Shape| {
+        let (color, property) = match shape {
+            Shape::Line { color, .. } | Shape::Marks { mark: Mark::Ring, color, .. } => (*color, "stroke"),
+            Shape::Marks { color, .. } | Shape::Area { color, .. } | Shape::Text(Text { color, .. }) => {
+                (*color, "fill")
+            }
         };
-        for property in properties {
-            let [name, dark] = [class(color, property), color.hex()[1].to_owned()];
-            rules.insert(format!(".{name} {{ {property}: {dark} }}\n"));
-        }
-    }
-    rules.into_iter().collect()
+        format!(".{} {{ {property}: {} }}\n", class(color, property), color.hex()[1])
+    };
+    scene.shapes.iter().map(rule).collect::<BTreeSet<String>>().into_iter().collect()
 }
 
 /// `stroke-rk4`
@@ -52,36 +47,28 @@ fn class(color: Color, property: &str) -> String {
 fn write_shape(to: &mut String, shape: &Shape) -> std::fmt::Result {
     match shape {
         Shape::Line { points, color, width, dashed } => {
-            write!(to, "<polyline class=\"{}\" points=\"", class(*color, "stroke"))?;
-            write_points(to, points)?;
-            write!(to, "\" fill=\"none\" stroke=\"{}\" stroke-width=\"{width}\"", color.hex()[0])?;
+            let (class, points, hex) = (class(*color, "stroke"), pairs(points), color.hex()[0]);
+            write!(to, "<polyline class=\"{class}\" points=\"{points}\" fill=\"none\"")?;
+            write!(to, " stroke=\"{hex}\" stroke-width=\"{width}\"")?;
             if *dashed {
                 write!(to, " stroke-dasharray=\"{} {}\"", DASHES[0], DASHES[1])?;
             }
             writeln!(to, " stroke-linejoin=\"round\"/>")
         }
         Shape::Area { points, color, opacity } => {
-            write!(to, "<polygon class=\"{}\" points=\"", class(*color, "fill"))?;
-            write_points(to, points)?;
-            writeln!(to, "\" fill=\"{}\" fill-opacity=\"{opacity}\"/>", color.hex()[0])
+            let (class, points, hex) = (class(*color, "fill"), pairs(points), color.hex()[0]);
+            write!(to, "<polygon class=\"{class}\" points=\"{points}\"")?;
+            writeln!(to, " fill=\"{hex}\" fill-opacity=\"{opacity}\"/>")
         }
         Shape::Marks { at, mark, color } => {
-            let hex = color.hex()[0];
-            let radius = match mark {
-                Mark::Dot => {
-                    writeln!(to, "<g class=\"{}\" fill=\"{hex}\">", class(*color, "fill"))?;
-                    RADIUS
-                }
-                Mark::Ring => {
-                    let name = class(*color, "stroke");
-                    writeln!(
-                        to,
-                        "<g class=\"{name}\" fill=\"none\" stroke=\"{hex}\" stroke-width=\"{}\">",
-                        RING.1
-                    )?;
-                    RING.0
-                }
+            let (property, radius) = match mark {
+                Mark::Dot => ("fill", RADIUS),
+                Mark::Ring => ("stroke", RING.0),
             };
+            let line = format!(" fill=\"none\" stroke-width=\"{}\"", RING.1);
+            let line = if *mark == Mark::Ring { &line } else { "" };
+            let (class, hex) = (class(*color, property), color.hex()[0]);
+            writeln!(to, "<g class=\"{class}\" {property}=\"{hex}\"{line}>")?;
             for (x, y) in at {
                 writeln!(to, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\"/>")?;
             }
@@ -91,17 +78,13 @@ fn write_shape(to: &mut String, shape: &Shape) -> std::fmt::Result {
     }
 }
 
-fn write_points(to: &mut String, points: &[Point]) -> std::fmt::Result {
-    for (k, (x, y)) in points.iter().enumerate() {
-        let space = if k > 0 { " " } else { "" };
-        write!(to, "{space}{x:.1},{y:.1}")?;
-    }
-    Ok(())
+fn pairs(points: &[Point]) -> String {
+    points.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect::<Vec<_>>().join(" ")
 }
 
 fn write_text(
     to: &mut String,
-    Text { at: (x, y), text, size, color, anchor, upwards, halo }: &Text,
+    Text { at: (x, y), text, size, color, anchor, upwards }: &Text,
 ) -> std::fmt::Result {
     let anchor = match anchor {
         Anchor::Start => "start",
@@ -113,14 +96,6 @@ fn write_text(
         false => format!("x=\"{x:.1}\" y=\"{y:.1}\""),
     };
     let (letters, text) = (format!("text-anchor=\"{anchor}\" font-size=\"{size}\""), escape(text));
-    if *halo {
-        let paper = Color::Paper.hex()[0];
-        write!(
-            to,
-            "<text {place} class=\"halo\" {letters} fill=\"none\" stroke=\"{paper}\" stroke-width=\"{HALO}\" \
-             stroke-linejoin=\"round\" aria-hidden=\"true\">{text}</text>"
-        )?;
-    }
     let (class, fill) = (class(*color, "fill"), color.hex()[0]);
     writeln!(to, "<text class=\"{class}\" {place} {letters} fill=\"{fill}\">{text}</text>")
 }

@@ -26,7 +26,7 @@ fn panel(label: &str, axis: Axis, color: Color, style: Style, values: &[f64]) ->
 fn figures_without_any_variation_can_be_drawn() {
     for values in [&[][..], &[0.0], &[0.0, 0.0], &[1e-3, 1e-3], &[f64::NAN, f64::INFINITY, 1.0]] {
         for style in STYLES {
-            for key in [Key::Above, Key::Each, Key::Lines] {
+            for key in [Key::Above, Key::Each] {
                 for axis in [Axis::logarithmic("error"), Axis::linear("error")] {
                     let panel = panel("a", axis, Color::X, style, values);
                     let stacked = Figure { key, ..figure(vec![panel.clone()]) };
@@ -101,9 +101,8 @@ fn a_key_has_each_name_once() {
         panel.series.push(Series::line("RKMK4", Color::Rkmk4, vec![(0.0, 1.0), (1.0, 0.0)]));
         panel
     };
-    for (key, times) in [(Key::Above, 1), (Key::Each, 2), (Key::Lines, 2)] {
+    for (key, times) in [(Key::Above, 1), (Key::Each, 2)] {
         let svg = Figure { key, ..figure(vec![panels(), panels()]) }.svg();
-        // at a line there is a margin of paper too
         assert_eq!(svg.matches(">RK4</text>").count(), times, "{key:?}");
     }
 }

@@ -130,12 +130,6 @@ impl Curves {
         }
     }
 
-    /// Tells whether it fits this system.
-    pub(crate) fn is_of(&self, entry: &Entry) -> bool {
-        self.state.len() == parts(entry).map(|part| part.curves()).sum::<usize>()
-            && self.angles.len() == parts(entry).count()
-    }
-
     /// Adds a sample of the run.
     pub(crate) fn push(&mut self, entry: &Entry, sample: &Sample<'_>) {
         let (energy, casimirs) =

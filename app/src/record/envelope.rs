@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::units::range;
+
 type Points = Vec<(f64, f64)>;
 
 /// The smallest and largest value in each of a fixed number of equal bins of a run, gathered as it goes: a picture of
@@ -44,9 +46,7 @@ impl Envelope {
 
     /// The least value and the greatest of all.
     pub fn range(&self) -> (f64, f64) {
-        let none = (f64::INFINITY, f64::NEG_INFINITY);
-        let bins = self.bins.iter().flatten();
-        bins.fold(none, |(low, high), bin| (low.min(bin.least.1), high.max(bin.greatest.1)))
+        range(self.bins.iter().flatten().flat_map(|bin| [bin.least.1, bin.greatest.1]))
     }
 
     /// Tells whether a bin has, on average, more than a third of the range in which nine tenths of the bins are.
@@ -79,18 +79,13 @@ impl Envelope {
 
     /// Both extremes of every bin, in the order of time.
     pub(crate) fn both(&self) -> Points {
-        let mut points = Vec::new();
-        for bin in self.bins.iter().flatten() {
-            let (first, second) = if bin.least.0 <= bin.greatest.0 {
-                (bin.least, bin.greatest)
-            } else {
-                (bin.greatest, bin.least)
-            };
-            points.push(first);
-            if second.0 != first.0 {
-                points.push(second);
-            }
-        }
+        let in_time = |bin: &Bin| {
+            let mut ends = [bin.least, bin.greatest];
+            ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+            ends
+        };
+        let mut points: Points = self.bins.iter().flatten().flat_map(in_time).collect();
+        points.dedup_by_key(|point| point.0);
         points
     }
 

@@ -57,10 +57,4 @@ impl Recorders {
             page.push(sample);
         }
     }
-
-    /// Tells whether they fit this system.
-    pub(crate) fn are_of(&self, entry: &Entry) -> bool {
-        self.curves.as_ref().is_none_or(|curves| curves.is_of(entry))
-            && self.page.as_ref().is_none_or(|page| page.is_of(entry))
-    }
 }

@@ -21,11 +21,12 @@ pub(crate) struct PageRecorder {
     every: u64,
     last: u64,
     samples: Samples,
-    /// How far each rotation turned before each sample, since the one before it, rad.
-    turns: Vec<Vec<f64>>,
-    /// Where in the state the rotations are, and how far each turned since the last kept sample, rad.
+    /// How far the rotations turned before each sample, since the one before it, rad: in each step the fastest counts.
+    turns: Vec<f64>,
+    /// How far they turned since the last kept sample, rad.
+    turned: f64,
+    /// Where in the state the rotations are.
     rotations: Vec<Vec<usize>>,
-    turned: Vec<f64>,
     /// The sample before.
     before: (f64, Vec<f64>),
     /// The fastest turning, rad/s.
@@ -44,24 +45,12 @@ pub(crate) struct PageSamples<'a> {
 impl PageRecorder {
     /// Prepares for a run of this length.
     pub(crate) fn new(entry: &Entry, steps: u64) -> Self {
-        let rotations = entry.plotted.rotations().to_vec();
-        let turned = vec![0.0; rotations.len()];
-        let (samples, turns, before) = Default::default();
-        Self { every: 1, last: steps, samples, turns, rotations, turned, before, rate: 0.0 }
+        Self::of(entry.plotted.rotations().to_vec(), steps)
     }
 
-    /// Tells whether it fits this system.
-    pub(crate) fn is_of(&self, entry: &Entry) -> bool {
-        let (numbers, casimirs) = (entry.example.state.len(), entry.description.casimirs.len());
-        self.every > 0
-            && self.rotations == entry.plotted.rotations()
-            && self.turns.len() == self.samples.0.len()
-            && self.turns.iter().chain([&self.turned]).all(|turns| turns.len() == self.rotations.len())
-            && self
-                .samples
-                .0
-                .iter()
-                .all(|sample| (sample.state.len(), sample.casimirs.len()) == (numbers, casimirs))
+    fn of(rotations: Vec<Vec<usize>>, last: u64) -> Self {
+        let (samples, turns, before) = Default::default();
+        Self { every: 1, last, samples, turns, turned: 0.0, rotations, before, rate: 0.0 }
     }
 
     /// Adds a sample of the run.
@@ -70,28 +59,26 @@ impl PageRecorder {
         if !sample.index.is_multiple_of(self.every) && sample.index != self.last {
             return;
         }
-        let none = vec![0.0; self.turned.len()];
-        self.turns.push(std::mem::replace(&mut self.turned, none));
+        self.turns.push(std::mem::take(&mut self.turned));
         self.samples.push(sample);
         if self.samples.0.len() > MOST {
             self.thin();
         }
     }
 
-    /// Adds up how far each rotation turned since the sample before.
+    /// Adds up how far the rotations turned since the sample before.
     fn turn(&mut self, sample: &Sample<'_>) {
         let (time, state) = &mut self.before;
-        let elapsed = (sample.time - *time).abs();
-        for (slots, turned) in self.rotations.iter().zip(&mut self.turned) {
+        let angle = |slots: &Vec<usize>| {
             let of = |state: &[f64]| -> Option<Vec<f64>> {
                 slots.iter().map(|slot| state.get(*slot).copied()).collect()
             };
-            let (Some(before), Some(now)) = (of(state), of(sample.state)) else { continue };
-            let angle = angle_between(&before, &now);
-            *turned += angle;
-            if elapsed > 0.0 {
-                self.rate = self.rate.max(angle / elapsed);
-            }
+            Some(angle_between(&of(state)?, &of(sample.state)?))
+        };
+        let angle = self.rotations.iter().filter_map(angle).fold(0.0, f64::max);
+        self.turned += angle;
+        if sample.time != *time {
+            self.rate = self.rate.max(angle / (sample.time - *time).abs());
         }
         *time = sample.time;
         sample.state.clone_into(state);
@@ -100,18 +87,16 @@ impl PageRecorder {
     /// Keeps every second sample.
     fn thin(&mut self) {
         self.every = self.every.saturating_mul(2);
-        let none = vec![0.0; self.turned.len()];
-        let mut carried = none.clone();
-        let mut turns = Vec::new();
+        let (mut carried, mut turns) = (0.0, Vec::new());
         for (sample, turned) in self.samples.0.iter().zip(&self.turns) {
-            carried.iter_mut().zip(turned).for_each(|(carried, turned)| *carried += turned);
+            carried += turned;
             if sample.index.is_multiple_of(self.every) {
-                turns.push(std::mem::replace(&mut carried, none.clone()));
+                turns.push(std::mem::take(&mut carried));
             }
         }
         self.samples.0.retain(|sample| sample.index.is_multiple_of(self.every));
         self.turns = turns;
-        self.turned.iter_mut().zip(carried).for_each(|(turned, carried)| *turned += carried);
+        self.turned += carried;
     }
 
     /// Chooses those that the page needs: so many that none of them are far apart, but not many more than a screen
@@ -128,12 +113,10 @@ impl PageRecorder {
         PageSamples { kept, turn: self.most_turned(stride), rate: self.rate }
     }
 
-    /// Finds the most that a rotation turns over a stride of samples.
+    /// Finds the most that the rotations turn over a stride of samples.
     fn most_turned(&self, stride: usize) -> f64 {
-        let sum = |part: &[Vec<f64>], k: usize| part.iter().filter_map(|turns| turns.get(k)).sum::<f64>();
         let rest = self.turns.get(1..).unwrap_or_default();
-        let sums = rest.chunks(stride).flat_map(|part| (0..self.turned.len()).map(move |k| sum(part, k)));
-        sums.fold(0.0, f64::max)
+        rest.chunks(stride).map(|part| part.iter().sum()).fold(0.0, f64::max)
     }
 }
 
@@ -169,16 +152,7 @@ mod tests {
 
     /// A recorder of a run whose one rotation turns by so much in each step.
     fn recording(steps: u64, per_step: f64) -> PageRecorder {
-        let mut recorder = PageRecorder {
-            every: 1,
-            last: steps,
-            samples: Samples::default(),
-            turns: Vec::new(),
-            rotations: vec![vec![0, 1]],
-            turned: vec![0.0],
-            before: Default::default(),
-            rate: 0.0,
-        };
+        let mut recorder = PageRecorder::of(vec![vec![0, 1]], steps);
         for index in 0..=steps {
             let angle = index as f64 * per_step;
             let (time, state) = (index as f64, &[angle.cos(), angle.sin()]);
@@ -192,7 +166,7 @@ mod tests {
         let recorder = recording(100_000, 0.015);
         assert!(recorder.turns.len() <= MOST, "{}", recorder.turns.len());
         assert_eq!(recorder.turns.len(), recorder.samples.0.len());
-        let total: f64 = recorder.turns.iter().map(|turns| turns[0]).sum();
+        let total: f64 = recorder.turns.iter().sum();
         assert!((total - 1500.0).abs() < 1e-6, "{total}");
         let samples = recorder.samples();
         assert_eq!(samples.kept.last().map(|sample| sample.index), Some(100_000));

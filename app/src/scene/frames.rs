@@ -233,7 +233,7 @@ mod tests {
     use crate::record::Samples;
     use crate::setup::{Job, Method, Order, Retraction};
     use crate::simulate::simulate;
-    use crate::test_systems::catalogue;
+    use crate::tests::catalogue;
 
     /// A motor is drawn as strong as it pulls in the step that begins at each sample; of what is not known nothing is
     /// drawn.

@@ -6,10 +6,11 @@ mod default;
 mod frames;
 
 #[cfg(feature = "program")]
-pub(crate) use default::{axes, scene};
-#[cfg(feature = "program")]
 pub use frames::Track;
 #[cfg(feature = "program")]
-pub(crate) use frames::{Frames, rounded};
+pub(crate) use {
+    default::{axes, scene},
+    frames::{Frames, rounded},
+};
 
 pub use crate::catalogue::scene::*;

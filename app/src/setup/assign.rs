@@ -10,11 +10,12 @@ use super::{Setup, check};
 use crate::catalogue::Entry;
 use crate::catalogue::quantities::{Component, components};
 use crate::error::{RunError, SetupError};
+use crate::units::listed;
 
 /// A system's example with some of its numbers changed.
 #[derive(Clone, Debug)]
 pub(crate) struct Changes<'e> {
-    entry: &'e Entry,
+    pub(crate) entry: &'e Entry,
     setup: Setup,
     /// The numbers of the state that were given.
     given: Vec<bool>,
@@ -38,7 +39,7 @@ impl<'e> Changes<'e> {
                 let example = self.entry.description.state.first().map_or("name", |quantity| quantity.name);
                 let reason =
                     format!("`--set {assignment}` has no `=`; write for example `--set {example}=…`");
-                SetupError::new("set", assignment, reason)
+                SetupError::new(reason)
             })?;
             let (name, value) = (name.trim(), value.trim());
             self.assign(Names::ALL, name, &numbers(name, value)?)?;
@@ -53,13 +54,12 @@ impl<'e> Changes<'e> {
     pub(crate) fn assign(&mut self, which: Names, name: &str, numbers: &[f64]) -> Result<(), SetupError> {
         let target = named(self.entry, which, name)?;
         if let Some(number) = numbers.iter().find(|number| !number.is_finite()) {
-            let reason = format!("`{name}` must be finite, got `{number}`");
-            return Err(SetupError::new(name, number, reason));
+            return Err(SetupError::new(format!("`{name}` must be finite, got `{number}`")));
         }
         let slots = target.slots;
         if numbers.len() != slots.len() {
             let reason = format!("`{name}` takes {}, got {}", count(slots.len()), count(numbers.len()));
-            return Err(SetupError::new(name, format!("{numbers:?}"), reason));
+            return Err(SetupError::new(reason));
         }
         match target.part {
             Part::Parameters => self.setup.parameters[slots].copy_from_slice(numbers),
@@ -95,11 +95,11 @@ impl<'e> Changes<'e> {
         let law = entry.law(&setup);
         let energy = entry.energy(&*entry.system(&setup.parameters), law.as_ref(), (&setup.state, 0.0));
         if !energy.is_finite() {
-            let reason = format!(
+            return Err(SetupError::new(format!(
                 "the energy of the initial state is {energy}: no motion of `{}` starts there",
                 entry.name
-            );
-            return Err(SetupError::new("state", energy, reason).into());
+            ))
+            .into());
         }
         Ok((setup, notes))
     }
@@ -131,25 +131,19 @@ fn turn_along(entry: &Entry, setup: &mut Setup, given: &[bool]) -> Vec<String> {
         match &there {
             None => notes.push(format!(
                 "`{name}` stays {}, seen from `{with}`: set it too if it is fixed in space",
-                list(&setup.state[slots])
+                listed(&setup.state[slots])
             )),
             Some(there) if there[slots.clone()] != setup.state[slots.clone()] => {
                 setup.state[slots.clone()].copy_from_slice(&there[slots.clone()]);
                 notes.push(format!(
                     "`{name}` is fixed in space and turns with `{with}`: it is {}",
-                    list(&there[slots])
+                    listed(&there[slots])
                 ));
             }
             Some(_) => {}
         }
     }
     notes
-}
-
-/// Three digits of each.
-fn list(numbers: &[f64]) -> String {
-    let rounded = |x: &f64| ((x * 1e3).round() / 1e3 + 0.0).to_string();
-    numbers.iter().map(rounded).collect::<Vec<_>>().join(",")
 }
 
 /// Notes Casimirs of advected parameters alone that have other values than in the example.
@@ -168,7 +162,7 @@ fn other_casimirs(entry: &Entry, setup: &Setup) -> Vec<String> {
         .filter(|(((_, now), moving), usual)| now == moving && (now - usual).abs() > 1e-9 * usual.abs())
         .map(|((((name, unit), now), _), usual)| {
             let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-            format!("`{name}` is {}{unit}, in the example {}{unit}", list(&[now]), list(&[usual]))
+            format!("`{name}` is {}{unit}, in the example {}{unit}", listed(&[now]), listed(&[usual]))
         })
         .collect()
 }

@@ -42,7 +42,7 @@ pub(crate) struct RunConfig {
     /// The method.
     pub(crate) method: Option<Method>,
     /// The order.
-    pub(crate) order: Option<u32>,
+    pub(crate) order: Option<Order>,
     /// The step, s.
     pub(crate) step: Option<f64>,
     /// How long to run, s.
@@ -59,10 +59,9 @@ impl Config {
     /// # Errors
     /// If it cannot be read, is no TOML, or says what no run has.
     pub(crate) fn read(path: &Path) -> Result<Self, Error> {
-        let text = read_text(path).map_err(|source| FileError::read(path, source))?;
-        let wrong = |error: toml::de::Error| {
-            SetupError::new("config", path.display(), error.to_string().trim_end()).within(path.display())
-        };
+        let text = read_text(path).map_err(FileError::read(path))?;
+        let wrong =
+            |error: toml::de::Error| SetupError::new(error.to_string().trim_end()).within(path.display());
         Ok(toml::from_str(&text).map_err(wrong)?)
     }
 
@@ -85,18 +84,6 @@ impl Config {
         }
         Ok(())
     }
-
-    /// The order, if the file gives one.
-    ///
-    /// # Errors
-    /// If there are no steps of this order.
-    pub(crate) fn order(&self, path: &Path) -> Result<Option<Order>, SetupError> {
-        let Some(number) = self.run.order else { return Ok(None) };
-        Order::of_number(number).map(Some).ok_or_else(|| {
-            let reason = format!("{}: [run]: order must be 2, 4, 6, 8 or 10, got {number}", path.display());
-            SetupError::new("order", number, reason)
-        })
-    }
 }
 
 /// Reads a text of at most a megabyte: what is given for a text by mistake may have no end.
@@ -115,7 +102,7 @@ const EXACT: u64 = 1 << 53;
 
 /// A number, or a list of numbers.
 fn numbers(name: &str, value: &Value) -> Result<Vec<f64>, SetupError> {
-    let wrong = |reason: String| Err(SetupError::new(name, format!("{value:?}"), reason));
+    let wrong = |reason: String| Err(SetupError::new(reason));
     let number = |value: &Value| match value {
         Value::Float(number) => Ok(*number),
         Value::Integer(number) if number.unsigned_abs() <= EXACT => Ok(*number as f64),
@@ -141,31 +128,26 @@ pub(crate) fn example(entry: &Entry) -> String {
 
 fn write_example(text: &mut String, entry: &Entry) -> std::fmt::Result {
     let setup = entry.example.clone();
-    writeln!(text, "# {}: {}.", entry.name, entry.about)?;
+    let Entry { name, about, step, duration, .. } = entry;
     writeln!(
         text,
-        "# Run it with `coadjoint run --config <this file>`; options given there take precedence."
+        "# {name}: {about}.
+# Run it with `coadjoint run --config <this file>`; options given there take precedence.
+# What is left out has the value of the system's example.
+
+system = \"{name}\"
+
+[run]
+retraction = \"exponential\"   # the map that the step is built on: exponential or cayley
+method = \"standard\"          # standard, euler-a, euler-b, midpoint, verlet, …; rk4, …: `coadjoint run --help` lists all
+order = 2                    # 2; 4, 6, 8 and 10 are composed of its steps
+{:28} # s; negative to go back in time
+{:28} # s
+every = 1                    # write the state after every so many steps
+format = \"csv\"               # csv, json or parquet",
+        format!("step = {step:?}"),
+        format!("duration = {duration:?}"),
     )?;
-    writeln!(text, "# What is left out has the value of the system's example.")?;
-    writeln!(text, "\nsystem = \"{}\"", entry.name)?;
-    writeln!(text, "\n[run]")?;
-    for (setting, doc) in [
-        (
-            "retraction = \"exponential\"".to_owned(),
-            "the map that the step is built on: exponential or cayley",
-        ),
-        (
-            "method = \"standard\"".to_owned(),
-            "standard, euler-a, euler-b, midpoint, verlet, …; rk4, …: `coadjoint run --help` lists all",
-        ),
-        ("order = 2".to_owned(), "2; 4, 6, 8 and 10 are composed of its steps"),
-        (format!("step = {:?}", entry.step), "s; negative to go back in time"),
-        (format!("duration = {:?}", entry.duration), "s"),
-        ("every = 1".to_owned(), "write the state after every so many steps"),
-        ("format = \"csv\"".to_owned(), "csv, json or parquet"),
-    ] {
-        writeln!(text, "{setting:28} # {doc}")?;
-    }
     let controls = vec![0.0; setup.controls.len()];
     for (section, quantities, values) in [
         ("controls", entry.description.controls, &controls),
@@ -202,7 +184,7 @@ fn write_example(text: &mut String, entry: &Entry) -> std::fmt::Result {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_systems::catalogue;
+    use crate::tests::catalogue;
 
     #[test]
     fn the_example_says_what_the_system_says() {
@@ -213,7 +195,7 @@ mod tests {
             assert_eq!((config.run.step, config.run.duration), (Some(entry.step), Some(entry.duration)));
             assert_eq!(config.run.method, Some(Method::Standard));
             let path = Path::new("example.toml");
-            assert_eq!(config.order(path).expect("one of ours"), Some(Order::Two));
+            assert_eq!(config.run.order, Some(Order::Two));
             // from other numbers back to the example's
             let expected = entry.example.clone();
             let count =

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::fmt;
 use std::str::FromStr;
 
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser, ValueParserFactory};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 use serde::{Deserialize, Serialize};
 
@@ -250,15 +250,7 @@ impl From<Method> for String {
 
 /// Reads a method from the command line.
 #[derive(Clone, Debug)]
-pub struct MethodParser;
-
-impl ValueParserFactory for Method {
-    type Parser = MethodParser;
-
-    fn value_parser() -> MethodParser {
-        MethodParser
-    }
-}
+pub(crate) struct MethodParser;
 
 /// All methods, as clap lists them.
 fn possible() -> Vec<PossibleValue> {
@@ -283,17 +275,15 @@ impl TypedValueParser for MethodParser {
         value: &std::ffi::OsStr,
     ) -> Result<Method, clap::Error> {
         let name = value.to_string_lossy();
-        match name.parse() {
-            Ok(method) => Ok(method),
-            Err(message) if name.contains('=') => {
-                Err(clap::Error::raw(ErrorKind::ValueValidation, format!("{message}\n")).with_cmd(command))
+        name.parse().map_err(|message: String| {
+            if name.contains('=') {
+                return clap::Error::raw(ErrorKind::ValueValidation, format!("{message}\n"))
+                    .with_cmd(command);
             }
             // its message lists all, and says which was meant
-            Err(_) => Err(PossibleValuesParser::new(possible())
-                .parse_ref(command, argument, value)
-                .err()
-                .unwrap_or_else(|| clap::Error::new(ErrorKind::InvalidValue).with_cmd(command))),
-        }
+            let listed = PossibleValuesParser::new(possible()).parse_ref(command, argument, value);
+            listed.err().unwrap_or_else(|| clap::Error::new(ErrorKind::InvalidValue).with_cmd(command))
+        })
     }
 
     fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {

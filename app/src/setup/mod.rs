@@ -18,6 +18,7 @@ use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 pub(crate) use assign::{Changes, assignments};
+pub(crate) use method::MethodParser;
 pub use method::{Classical, Method};
 pub(crate) use names::Names;
 pub(crate) use scan::Scan;
@@ -79,6 +80,7 @@ impl Retraction {
 
 /// The order asked for: 2 for the method itself, higher ones composed of its steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+#[serde(try_from = "u32", into = "u32")]
 pub enum Order {
     /// The method itself.
     #[default]
@@ -102,14 +104,24 @@ impl Order {
     /// All of them.
     pub const ALL: [Order; 5] = [Order::Two, Order::Four, Order::Six, Order::Eight, Order::Ten];
 
-    /// Finds the order with this number.
-    pub(crate) fn of_number(number: u32) -> Option<Self> {
-        Self::ALL.into_iter().find(|order| order.number() == number)
-    }
-
     /// As a number.
     pub fn number(self) -> u32 {
         self as u32
+    }
+}
+
+impl TryFrom<u32> for Order {
+    type Error = String;
+
+    fn try_from(number: u32) -> Result<Self, String> {
+        let known = Self::ALL.into_iter().find(|order| order.number() == number);
+        known.ok_or_else(|| format!("order must be 2, 4, 6, 8 or 10, got {number}"))
+    }
+}
+
+impl From<Order> for u32 {
+    fn from(order: Order) -> u32 {
+        order.number()
     }
 }
 
@@ -129,6 +141,12 @@ pub struct Job {
 }
 
 impl Job {
+    /// Tells whether members of an ensemble are stepped side by side, in the processor's registers: with the standard
+    /// step of order 2 on the Cayley map.
+    pub fn is_side_by_side(&self) -> bool {
+        (self.method, self.retraction, self.order) == (Method::Standard, Retraction::Cayley, Order::Two)
+    }
+
     /// Tells the order of its step.
     pub fn order_of_step(&self, entry: &Entry) -> u32 {
         match self.method {

@@ -89,7 +89,7 @@ pub(super) fn named(entry: &Entry, which: Names, name: &str) -> Result<Name, Set
     let Some(index) = names.iter().position(|candidate| candidate.name == name) else {
         let hint = did_you_mean(name, names.iter().map(|candidate| candidate.name.as_str()));
         let reason = format!("`{}` has no {} `{name}`{hint} {}", entry.name, which.1, known(entry, which));
-        return Err(SetupError::new(name, "", reason));
+        return Err(SetupError::new(reason));
     };
     Ok(names.swap_remove(index))
 }
@@ -110,9 +110,8 @@ fn known(entry: &Entry, which: Names) -> String {
 pub(super) fn numbers(name: &str, value: &str) -> Result<Vec<f64>, SetupError> {
     let number = |text: &str| {
         let text = text.trim();
-        text.parse::<f64>().map_err(|_| {
-            SetupError::new(name, value, format!("`{text}` is not a number (in `{name}={value}`)"))
-        })
+        text.parse::<f64>()
+            .map_err(|_| SetupError::new(format!("`{text}` is not a number (in `{name}={value}`)")))
     };
     value.split(',').map(number).collect()
 }

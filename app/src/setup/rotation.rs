@@ -21,7 +21,7 @@ pub(super) fn normalize(entry: &Entry, setup: &mut Setup) -> Result<Vec<String>,
             let rest = if count < quantity.components.len() { ",…" } else { "" };
             let name = quantity.name;
             let reason = format!("`{name}` is a rotation and cannot be zero; no rotation is {unit}{rest}");
-            return Err(SetupError::new(name, "0", reason));
+            return Err(SetupError::new(reason));
         }
         let length = largest * components.iter().map(|x| (x / largest).powi(2)).sum::<f64>().sqrt();
         if (length - 1.0).abs() > 4.0 * f64::EPSILON {

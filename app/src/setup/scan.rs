@@ -25,7 +25,7 @@ impl Scan {
     /// # Errors
     /// If the name is not that of one number, or the values are no finite numbers.
     pub(crate) fn parse(entry: &Entry, text: &str) -> Result<Self, SetupError> {
-        let wrong = |what: &str| SetupError::new("scan", text, format!("`--scan {text}`: {what}"));
+        let wrong = |what: &str| SetupError::new(format!("`--scan {text}`: {what}"));
         let form = "write `name=from:to:count`, as in `weight=1:10:20`, or `name=1,2,5`";
         let (name, range) = text.split_once('=').ok_or_else(|| wrong(form))?;
         let (name, range) = (name.trim(), range.trim());
@@ -58,16 +58,15 @@ impl Scan {
     /// If there are more than two, two of one name, or too many combinations.
     pub(crate) fn grid(scans: &[Scan]) -> Result<Vec<Vec<f64>>, SetupError> {
         if scans.len() > 2 {
-            let reason = format!("at most two numbers are scanned, got {}", scans.len());
-            return Err(SetupError::new("scan", scans.len(), reason));
+            return Err(SetupError::new(format!("at most two numbers are scanned, got {}", scans.len())));
         }
         if let [first, second] = scans
             && first.name == second.name
         {
-            return Err(SetupError::new("scan", &first.name, format!("`{}` is scanned twice", first.name)));
+            return Err(SetupError::new(format!("`{}` is scanned twice", first.name)));
         }
         if scans.iter().fold(1, |count: usize, scan| count.saturating_mul(scan.values.len())) > MOST {
-            return Err(SetupError::new("scan", "", format!("a scan makes at most {MOST} runs")));
+            return Err(SetupError::new(format!("a scan makes at most {MOST} runs")));
         }
         let mut points = vec![Vec::new()];
         for scan in scans {
@@ -92,7 +91,7 @@ fn evenly(from: f64, to: f64, count: usize) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_systems::catalogue;
+    use crate::tests::catalogue;
 
     fn scan(text: &str) -> Result<Vec<f64>, String> {
         let top = catalogue().find("heavy_top").expect("it is there");

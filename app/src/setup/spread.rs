@@ -72,8 +72,7 @@ impl Variation {
             notes: Vec::new(),
         };
         for spread in spreads {
-            let wrong =
-                |what: &str| SetupError::new("spread", spread, format!("`--spread {spread}`: {what}"));
+            let wrong = |what: &str| SetupError::new(format!("`--spread {spread}`: {what}"));
             let (name, value) =
                 spread.split_once('=').ok_or_else(|| wrong("has no `=`; write for example `momentum=1%`"))?;
             let target = named(entry, Names::VARIED, name.trim())?;
@@ -253,7 +252,7 @@ fn mirrored(entry: &Entry, setup: &Setup) -> Vec<(usize, usize)> {
 /// Reads a width.
 fn width(entry: &Entry, target: &Name, value: &str) -> Result<Width, SetupError> {
     let name = &target.name;
-    let wrong = |what: String| Err(SetupError::new(name.as_str(), value, what));
+    let wrong = |what: String| Err(SetupError::new(what));
     let (text, unit) = split_unit(value);
     let mut numbers = numbers(name, text)?;
     if let Some(number) = numbers.iter().find(|number| !(number.is_finite() && **number >= 0.0)) {

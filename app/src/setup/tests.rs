@@ -1,6 +1,6 @@
 use super::*;
 use crate::error::RunError;
-use crate::test_systems::catalogue;
+use crate::tests::catalogue;
 
 fn set(assignments: &[&str]) -> Result<(Setup, Vec<String>), String> {
     set_in("heavy_top", assignments)

@@ -163,7 +163,7 @@ mod tests {
             ("rigid_body_in_space", &[0.5, 0.5, -0.5, 0.5, 3.0, 1.0, -2.0]),
             ("kepler", &[0.25, 3.0, -1.0]),
         ] {
-            let entry = crate::test_systems::catalogue().system(name).expect("it is there");
+            let entry = crate::tests::catalogue().system(name).expect("it is there");
             let (from, mut to) = (&entry.example.state, entry.example.state.clone());
             to[..configuration.len()].copy_from_slice(configuration);
             reached(&*entry.system(&entry.example.parameters), from, &to);

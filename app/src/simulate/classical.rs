@@ -5,7 +5,7 @@ use std::sync::Arc;
 use coadjoint::erased::{self, At};
 use coadjoint::system::{Quantity, Role};
 use coadjoint::{ParameterError, StepError};
-use coadjoint_classical::{Diverged, RungeKutta};
+use coadjoint_classical::Diverged;
 
 use crate::catalogue::quantities::tangent_length;
 use crate::setup::Classical;
@@ -20,38 +20,20 @@ pub fn stepper(
     step: f64,
 ) -> Result<erased::Stepper, ParameterError> {
     let scheme = classical.runge_kutta();
-    match classical {
-        Classical::Rkmk4 => munthe_kaas(scheme, system, step),
-        _ => in_coordinates(scheme, system, step),
-    }
-}
-
-/// For the numbers of the state as they are stored.
-fn in_coordinates(
-    scheme: RungeKutta,
-    system: Arc<dyn erased::System>,
-    step: f64,
-) -> Result<erased::Stepper, ParameterError> {
+    let algebra = (classical == Classical::Rkmk4).then(|| Algebra::of(&*system));
     erased::Stepper::from_fn(system, step, move |system, at: &At<'_>, next| {
-        let mut field = |time: f64, x: &[f64], rate: &mut [f64]| {
-            rate.copy_from_slice(&system.vector_field(x, time, at.control));
+        let Some(algebra) = &algebra else {
+            // for the numbers of the state as they are stored
+            let mut field = |time: f64, x: &[f64], rate: &mut [f64]| {
+                rate.copy_from_slice(&system.vector_field(x, time, at.control));
+            };
+            let (end, iterations) =
+                scheme.advance(&mut field, at.time, at.state, at.step).map_err(failure)?;
+            next.copy_from_slice(&end);
+            return Ok(iterations);
         };
-        let (end, iterations) = scheme.advance(&mut field, at.time, at.state, at.step).map_err(failure)?;
-        next.copy_from_slice(&end);
-        Ok(iterations)
-    })
-}
-
-/// In exponential coordinates about the start of the step, in which configurations stay on their groups: the unknown is
-/// the displacement `z` from there, with `z' = (dL exp_z)⁻¹ ξ` for configurations. Its series is cut off after the term
-/// of 1/12, which leaves an order of 4.
-fn munthe_kaas(
-    scheme: RungeKutta,
-    system: Arc<dyn erased::System>,
-    step: f64,
-) -> Result<erased::Stepper, ParameterError> {
-    let algebra = Algebra::of(&*system);
-    erased::Stepper::from_fn(system, step, move |system, at: &At<'_>, next| {
+        // in exponential coordinates about the start of the step, in which configurations stay on their groups: the
+        // unknown is the displacement `z` from there, with `z' = (dL exp_z)⁻¹ ξ` for configurations
         let moved = |z: &[f64]| system.displace(at.state, erased::RetractionKind::Exponential, z);
         let mut field = |time: f64, z: &[f64], rate: &mut [f64]| {
             rate.copy_from_slice(&system.motion(&moved(z), time, at.control));
@@ -117,7 +99,7 @@ impl Algebra {
         }
     }
 
-    /// `ξ` becomes `ξ + ½ [z, ξ] + 1/12 [z, [z, ξ]]`.
+    /// Turns `ξ` into `(dL exp_z)⁻¹ ξ`: into `ξ + ½ [z, ξ] + 1/12 [z, [z, ξ]]`, which leaves an order of 4.
     fn correct(&self, z: &[f64], rate: &mut [f64]) {
         let mut once = vec![0.0; self.length];
         self.add_bracket(z, rate, 1.0, &mut once);

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::stepper;
 use crate::catalogue::{ControlLaw, Entry, Setup};
 use crate::error::{RunError, SetupError};
-use crate::setup::{Job, Method, Order, Retraction};
+use crate::setup::Job;
 pub use crate::setup::{SampledRange, Variation};
 use crate::units::grouped;
 
@@ -72,21 +72,13 @@ pub struct EnsembleSummary {
 }
 
 impl EnsembleSpec {
-    /// Tells whether members are stepped side by side in the processor's registers: with the standard step of order 2
-    /// on the Cayley map.
-    pub fn is_side_by_side(&self) -> bool {
-        let Job { method, retraction, order, .. } = self.job;
-        (method, retraction, order) == (Method::Standard, Retraction::Cayley, Order::Two)
-    }
-
     /// Checks that there is memory for the members.
     ///
     /// # Errors
     /// If not so much can be had.
     pub fn check_room(&self) -> Result<(), SetupError> {
         Vec::<(Setup, Setup)>::new().try_reserve_exact(self.members).map_err(|_| {
-            let reason = format!("there is no memory for {} members", grouped(self.members as u64));
-            SetupError::new("members", self.members, reason)
+            SetupError::new(format!("there is no memory for {} members", grouped(self.members as u64)))
         })
     }
 }
@@ -111,10 +103,15 @@ pub fn run(
         (own.parameters, own.state)
     });
     let system = entry.system(&setup.parameters);
-    let mut moving = if spec.is_side_by_side() {
+    let mut moving = if spec.job.is_side_by_side() {
         EnsembleBackend::SideBySide(Ensemble::new(&*system, members, spec.job.step)?)
     } else {
-        EnsembleBackend::OneByOne(one_by_one(entry, &spec.job, members)?)
+        let member = |(index, (parameters, state)): (usize, (Vec<f64>, Vec<f64>))| {
+            let stepper = stepper(entry, entry.system(&parameters), &spec.job)
+                .map_err(|source| RunError::Member { member: index, source: Box::new(source) })?;
+            Ok(Member { index, stepper, state, failure: None })
+        };
+        EnsembleBackend::OneByOne(members.enumerate().map(member).collect::<Result<_, RunError>>()?)
     };
     let mut spreads = vec![Vec::new(); observables.len()];
     let every = spec.every.max(1);
@@ -138,8 +135,7 @@ pub fn run(
         seconds += start.elapsed().as_secs_f64();
         taken += count;
     }
-    let (failed, width) = (moving.failed(), moving.width());
-    drop(moving);
+    let (failed, width) = moving.end();
     Ok(EnsembleSummary { spreads, drawn: ranges.finish(), failed, member_steps, width, seconds })
 }
 
@@ -152,39 +148,27 @@ enum EnsembleBackend {
 }
 
 struct Member {
+    index: usize,
     stepper: erased::Stepper,
     state: Vec<f64>,
-    failure: Option<(u64, StepError)>,
-}
-
-fn one_by_one(
-    entry: &Entry,
-    job: &Job,
-    members: impl IntoIterator<Item = (Vec<f64>, Vec<f64>)>,
-) -> Result<Vec<Member>, RunError> {
-    let member = |(member, (parameters, state)): (usize, (Vec<f64>, Vec<f64>))| {
-        let stepper = stepper(entry, entry.system(&parameters), job)
-            .map_err(|source| RunError::Member { member, source: Box::new(source) })?;
-        Ok(Member { stepper, state, failure: None })
-    };
-    members.into_iter().enumerate().map(member).collect()
+    failure: Option<Failure>,
 }
 
 impl Member {
     /// Takes steps, unless it failed before; returns their number.
-    fn advance(&mut self, steps: u64, law: Option<&ControlLaw>, entry: &Entry) -> u64 {
+    fn advance(&mut self, steps: u64, laws: &[ControlLaw], entry: &Entry) -> u64 {
         if self.failure.is_some() {
             return 0;
         }
         let run = Run::new(&mut self.stepper, &mut self.state);
-        let ran = match law {
+        let ran = match laws.get(self.index) {
             Some(law) => run.controlled_by(|state, time| entry.chosen(law, (state, time))).steps(steps),
             None => run.steps(steps),
         };
         match ran {
             Ok(report) => report.steps,
             Err(error) => {
-                self.failure = Some((error.step, error.cause));
+                self.failure = Some(Failure { member: self.index, step: error.step, cause: error.cause });
                 error.report.steps
             }
         }
@@ -199,9 +183,7 @@ impl EnsembleBackend {
             Self::SideBySide(ensemble) => ensemble
                 .run_controlled(steps, &|member, state, time, control| laws[member](state, time, control)),
             Self::OneByOne(members) => {
-                let advance =
-                    |(index, member): (usize, &mut Member)| member.advance(steps, laws.get(index), entry);
-                members.par_iter_mut().enumerate().map(advance).sum()
+                members.par_iter_mut().map(|member| member.advance(steps, laws, entry)).sum()
             }
         }
     }
@@ -217,37 +199,23 @@ impl EnsembleBackend {
                 ensemble.members().map(|(index, system, state)| value(index, system, &state)).collect()
             }
             Self::OneByOne(members) => {
-                let alive = members.iter().enumerate().filter(|(_, member)| member.failure.is_none());
-                alive.map(|(index, member)| value(index, &**member.stepper.system(), &member.state)).collect()
+                let alive = members.iter().filter(|member| member.failure.is_none());
+                alive.map(|member| value(member.index, &**member.stepper.system(), &member.state)).collect()
             }
         };
         values.retain(|value| !value.is_nan());
         Spread::of(time, &mut values)
     }
 
-    fn failed(&self) -> Vec<Failure> {
+    /// Lists the members that failed, and counts those that are stepped side by side.
+    fn end(self) -> (Vec<Failure>, usize) {
         match self {
             Self::SideBySide(ensemble) => {
-                let failure = |failed: &coadjoint::ensemble::Failed| Failure {
-                    member: failed.member,
-                    step: failed.step,
-                    cause: failed.source,
-                };
-                ensemble.failed().iter().map(failure).collect()
+                let failed = ensemble.failed().iter();
+                let failed = failed.map(|f| Failure { member: f.member, step: f.step, cause: f.source });
+                (failed.collect(), ensemble.width())
             }
-            Self::OneByOne(members) => {
-                let failure = |(index, member): (usize, &Member)| {
-                    member.failure.map(|(step, cause)| Failure { member: index, step, cause })
-                };
-                members.iter().enumerate().filter_map(failure).collect()
-            }
-        }
-    }
-
-    fn width(&self) -> usize {
-        match self {
-            Self::SideBySide(ensemble) => ensemble.width(),
-            Self::OneByOne(_) => 1,
+            Self::OneByOne(members) => (members.iter().filter_map(|member| member.failure).collect(), 1),
         }
     }
 }
@@ -255,7 +223,8 @@ impl EnsembleBackend {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_systems::catalogue;
+    use crate::setup::{Method, Order, Retraction};
+    use crate::tests::catalogue;
 
     #[test]
     fn ensembles_that_memory_cannot_hold_are_refused() {

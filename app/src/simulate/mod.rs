@@ -81,11 +81,10 @@ fn check_order(method: Method, order: Order) -> Result<(), SetupError> {
     }
     let symmetric = Method::COMMON.into_iter().filter(|method| method.is_symmetric());
     let symmetric = symmetric.map(|method| method.to_string()).collect::<Vec<_>>().join(", ");
-    let reason = format!(
+    Err(SetupError::new(format!(
         "order {} is composed of symmetric steps, which method {method} does not make for every system; take one of {symmetric}",
         order.number()
-    );
-    Err(SetupError::new("order", order.number(), reason))
+    )))
 }
 
 /// Says why no claims of a method can be measured.
@@ -94,7 +93,7 @@ fn not_certified(method: Method) -> SetupError {
         Method::RightLift => "takes the steps of euler-a: certify these",
         _ => "claims nothing that a certificate could measure",
     };
-    SetupError::new("method", method, format!("method {method} {why}"))
+    SetupError::new(format!("method {method} {why}"))
 }
 
 /// Builds the stepper of a run.
@@ -115,21 +114,19 @@ pub(crate) fn stepper(
         Method::RightLift => {
             check_order(method, order)?;
             let lifted = entry.right_lift.ok_or_else(|| {
-                let reason = format!(
+                SetupError::new(format!(
                     "`{}` has no steps with the method right-lift, which carries the momentum in space: something acts on it",
                     entry.name
-                );
-                SetupError::new("method", method, reason)
+                ))
             })?;
             let make = move |system: &Arc<dyn erased::System>, step| {
                 lifted(&system.parameters(), retraction.map(), step)
             };
             make(&system, step).ok_or_else(|| {
-                let reason = format!(
+                SetupError::new(format!(
                     "there are no steps of the method right-lift with the retraction {}; take one of exponential, cayley",
                     retraction.name()
-                );
-                SetupError::new("retraction", retraction.name(), reason)
+                ))
             })?;
             erased::Stepper::with_methods(system, step, make)
         }

@@ -14,8 +14,7 @@ pub(crate) fn start() -> Result<usize, SetupError> {
         Err(error) if error.source().is_some() => {
             let asked = std::env::var("RAYON_NUM_THREADS").unwrap_or_default();
             let by = if asked.is_empty() { String::new() } else { format!(" (RAYON_NUM_THREADS={asked})") };
-            let reason = format!("the threads cannot be started{by}: {error}");
-            Err(SetupError::new("RAYON_NUM_THREADS", asked, reason))
+            Err(SetupError::new(format!("the threads cannot be started{by}: {error}")))
         }
         _ => Ok(rayon::current_num_threads()),
     }

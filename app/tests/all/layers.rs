@@ -41,7 +41,7 @@ fn code(root: &Path) -> Vec<(String, String)> {
         let name = file.strip_prefix(root).expect("within the sources").to_string_lossy().into_owned();
         (name, lines.collect::<Vec<_>>().join("\n"))
     };
-    let is_test = |name: &str| name.ends_with("tests.rs") || name.ends_with("test_systems.rs");
+    let is_test = |name: &str| name.ends_with("tests.rs");
     files.into_iter().map(code).filter(|(name, _)| !is_test(name)).collect()
 }
 

@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use coadjoint::prelude::*;
+use coadjoint_app::cli::console::OutputMode;
 use coadjoint_app::cli::session::{Plan, Session};
 use coadjoint_app::scene::Scene;
 use coadjoint_app::setup::{Job, Method, Order, Retraction};
@@ -100,7 +101,8 @@ impl Asked {
         };
         simulate(&self.0, &self.0.example, &job, None, &|index| index + 1, keep).expect("a motion");
         let session = Session::begin(&self.0, plan, None).expect("a run");
-        session.run(&mut |_| ()).expect("a run");
+        let mode = OutputMode { json: false, quiet: true };
+        session.run(&mode.on(&mut std::io::sink(), false).expect("allowed")).expect("a run");
         Run { step, states }
     }
 }

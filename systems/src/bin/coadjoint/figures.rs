@@ -141,7 +141,7 @@ pub(crate) fn chosen(names: &[String]) -> Result<Vec<&'static Drawing>, Error> {
             let hint = did_you_mean(name, all());
             let known = all().collect::<Vec<_>>().join(", ");
             let reason = format!("there is no figure `{name}`{hint} (figures: all, {known})");
-            return Err(SetupError::new("figures", name, reason).into());
+            return Err(SetupError::new(reason).into());
         }
     }
     let is_all = names.is_empty() || names.iter().any(|name| name == "all");

@@ -35,6 +35,6 @@ pub(crate) fn bench(_: &Catalogue, arguments: &Arguments, console: &mut dyn Writ
         let _ = console;
         let reason = "this program was built without its benchmarks: `cargo run --profile bench --features bench -- bench` \
                       builds and runs them";
-        Err(coadjoint_app::error::SetupError::new("bench", "", reason).into())
+        Err(coadjoint_app::error::SetupError::new(reason).into())
     }
 }

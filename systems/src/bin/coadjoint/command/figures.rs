@@ -28,8 +28,7 @@ pub(crate) struct Arguments {
 pub(crate) fn figures(_: &Catalogue, arguments: &Arguments, console: &mut dyn Write) -> Result<(), Error> {
     let Arguments { figures, out, force } = arguments;
     if out.as_os_str() == "-" {
-        let reason = "figures are many files: give `--out` a directory";
-        return Err(SetupError::new("out", "-", reason).into());
+        return Err(SetupError::new("figures are many files: give `--out` a directory").into());
     }
     let drawings = chosen(figures)?;
     let page = out.join("index.html");

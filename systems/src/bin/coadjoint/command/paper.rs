@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use coadjoint_app::cli::console::OutputMode;
-use coadjoint_app::cli::report::{RunSummary, Table};
+use coadjoint_app::cli::report::{RunSummary, table};
 use coadjoint_app::cli::session::{Plan, Session};
 use coadjoint_app::error::SetupError;
 use coadjoint_app::setup::{Format, Job, Method, Order, Retraction, check};
@@ -42,8 +42,7 @@ pub(crate) fn paper(
     let setup = entry.example.clone();
     let out = &arguments.out;
     if out.as_os_str() == "-" {
-        let reason = "these are many files: give `--out` a directory";
-        return Err(SetupError::new("out", "-", reason).into());
+        return Err(SetupError::new("these are many files: give `--out` a directory").into());
     }
     let guarded = |drawing: &'static Drawing| Ok((drawing, drawing.guard(out, arguments.force)?));
     let figure = chosen(&[FIGURE.to_owned()])?.into_iter().map(guarded).collect::<Result<Vec<_>, Error>>()?;
@@ -75,9 +74,7 @@ pub(crate) fn paper(
             force: arguments.force,
             inputs: Vec::new(),
         };
-        let mut progress = OutputMode::default().on(console, false)?.progress(SYSTEM, STEPS, "step");
-        let done = Session::begin(entry, plan, None)?.run(&mut |index| progress.show(index))?;
-        drop(progress);
+        let done = Session::begin(entry, plan, None)?.run(&OutputMode::default().on(console, false)?)?;
         written.extend(done.written);
         if done.interrupted {
             return Err(Error::Interrupted);
@@ -85,7 +82,7 @@ pub(crate) fn paper(
         let time_per_step = time_per_step(entry, &setup, &job)?;
         summaries.push(RunSummary { time_per_step, ..done.summary });
     }
-    write!(console, "\n{}\n", Table::new(entry, summaries))?;
+    write!(console, "\n{}\n", table(entry, &summaries))?;
     for (drawing, guard) in figure {
         let drawn = drawing.write(out, &guard)?;
         written.extend(drawn.written);

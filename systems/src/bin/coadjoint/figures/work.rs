@@ -182,7 +182,7 @@ impl Work {
             title: "Work and precision: a heavy top".to_owned(),
             columns: 2,
             cell: (520.0, 460.0),
-            key: Key::Lines,
+            key: Key::Above,
             shared: (true, false),
             panels: vec![
                 panel("(a) trajectory", "relative error after 20 s, no unit", |cost| cost.trajectory),

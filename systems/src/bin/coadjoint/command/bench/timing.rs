@@ -108,7 +108,7 @@ fn keep(cases: &mut Vec<Case>, filter: &str) -> Result<(), Error> {
         let mut known: Vec<&str> = cases.iter().map(|case| case.problem).collect();
         known.dedup();
         let reason = format!("no case has `{filter}` in its name (problems: {})", known.join("; "));
-        return Err(SetupError::new("filter", filter, reason).into());
+        return Err(SetupError::new(reason).into());
     }
     cases.retain(|case| is_named(case) || (case.method == BASELINE && problems.contains(&case.problem)));
     Ok(())

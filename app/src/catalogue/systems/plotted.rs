@@ -309,7 +309,7 @@ mod tests {
         let units: Vec<&[&str]> = entry.plotted.all().iter().map(|quantity| &quantity.units[..]).collect();
         assert_eq!(units, [&[""; 2][..], &["m"; 2], &["kg m²/s", "kg m/s", "kg m/s"]]);
         // a state without matrices is shown as it is
-        let top = crate::test_systems::catalogue().system("heavy_top").expect("it is there");
+        let top = crate::tests::catalogue().system("heavy_top").expect("it is there");
         let names: Vec<&str> = top.plotted.all().iter().map(|quantity| quantity.name.as_str()).collect();
         assert_eq!(names, ["attitude", "momentum", "gamma"]);
         assert_eq!(top.plotted.numbers(&top.example.state), top.example.state);

@@ -47,6 +47,18 @@ pub(crate) fn components(quantities: &'static [Quantity]) -> impl Iterator<Item 
     })
 }
 
+/// Collects values by their keys, in the order in which these come.
+pub(crate) fn by_key<K: PartialEq, V>(pairs: impl Iterator<Item = (K, V)>) -> Vec<(K, Vec<V>)> {
+    let mut parts: Vec<(K, Vec<V>)> = Vec::new();
+    for (key, value) in pairs {
+        match parts.iter_mut().find(|(known, _)| *known == key) {
+            Some((_, values)) => values.push(value),
+            None => parts.push((key, vec![value])),
+        }
+    }
+    parts
+}
+
 /// Counts the numbers of tangent vectors.
 pub(crate) fn tangent_length(state: &[Quantity]) -> usize {
     state.last().map_or(0, |quantity| quantity.tangent().end)

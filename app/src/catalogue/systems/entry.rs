@@ -8,10 +8,9 @@ use coadjoint::system::Isolated;
 use coadjoint::{Discretized, RightLift, System};
 use serde::{Deserialize, Serialize};
 
-use super::example::Example;
+use super::super::{Example, scene::Scene};
 use super::plotted::PlottedQuantities;
 use super::quantities::components;
-use super::scene::Scene;
 
 /// One system of a program, its type erased: parameters and states are flat lists of numbers.
 #[derive(Clone, Debug)]

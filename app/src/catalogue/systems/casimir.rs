@@ -8,10 +8,7 @@ const ROOM: [usize; 2] = [40, 30];
 /// The Casimirs with their units: those of many terms in symbols, and if these are too many as well, by their number in
 /// `list`.
 pub(crate) fn names(entry: &Entry) -> impl Iterator<Item = (String, &'static str)> {
-    entry.casimirs().enumerate().map(|(k, (name, unit))| {
-        let name = if fits(name, ROOM[0]) { name.to_owned() } else { symbols(name) };
-        (numbered(name, k, ROOM[0]), unit)
-    })
+    entry.casimirs().enumerate().map(|(k, (name, unit))| (numbered(whole(name), k, ROOM[0]), unit))
 }
 
 /// The Casimirs in symbols with their units; what is long by its number in `list`.
@@ -22,10 +19,13 @@ pub(crate) fn symbols_of(entry: &Entry) -> impl Iterator<Item = (String, &'stati
 /// The whole Casimirs as `list` shows them, with their units: with a number where that is their name elsewhere.
 pub(crate) fn listed(entry: &Entry) -> impl Iterator<Item = (String, &'static str)> {
     entry.casimirs().enumerate().map(|(k, (name, unit))| {
-        let symbols = symbols(name);
-        let whole = if fits(name, ROOM[0]) { name.to_owned() } else { symbols.clone() };
-        (if fits(&symbols, ROOM[1]) { whole } else { format!("{}: {whole}", number(k)) }, unit)
+        let whole = whole(name);
+        (if fits(&symbols(name), ROOM[1]) { whole } else { format!("{}: {whole}", number(k)) }, unit)
     })
+}
+
+fn whole(name: &str) -> String {
+    if fits(name, ROOM[0]) { name.to_owned() } else { symbols(name) }
 }
 
 fn fits(name: &str, room: usize) -> bool {

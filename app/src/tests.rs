@@ -1,4 +1,4 @@
-//! A few systems of different kinds, for tests.
+//! Tests of units, and a few systems of different kinds that all tests are made with.
 
 use std::sync::LazyLock;
 
@@ -128,7 +128,7 @@ pub(crate) fn catalogue() -> &'static Catalogue {
     static CATALOGUE: LazyLock<Catalogue> = LazyLock::new(|| {
         let entries =
             [HeavyTop::entry(), PlanarPendulum::entry(), RigidBodyInSpace::entry(), Kepler::entry()];
-        Catalogue::new(entries.map(|entry| entry.with_source(include_str!("test_systems.rs"))))
+        Catalogue::new(entries.map(|entry| entry.with_source(include_str!("tests.rs"))))
     });
     &CATALOGUE
 }
