@@ -480,8 +480,8 @@ fn tried(
             };
             match outcome {
                 Ok(_) => tally.accept(&mut trial, &next, blocks, &what),
-                Err([error]) => {
-                    tally.refuse(&mut trial, error.expect("an error"), &what);
+                Err(failure) => {
+                    tally.refuse(&mut trial, failure.first(), &what);
                     break;
                 }
             }
