@@ -173,7 +173,7 @@ fn schemes(system: &System<'_>, attribute: &Attribute) -> Vec<(Scheme, Vec<Schem
     rules.extend(&attribute.methods);
     rules.sort_unstable();
     rules.dedup();
-    let retractions = retractions(system, attribute.named_retractions());
+    let retractions = retractions(system, &attribute.retractions);
     let of = |&retraction: &Retraction| rules.iter().map(move |&rule| Scheme { retraction, rule });
     let all: Vec<Scheme> = retractions.iter().flat_map(of).collect();
     let original = |scheme: &Scheme| scheme.original(system, retractions[0]);

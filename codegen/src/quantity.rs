@@ -65,21 +65,6 @@ pub enum Side {
     Right,
 }
 
-impl Kind {
-    /// The shape of what is stored: a column, unless it is a matrix.
-    pub fn shape(self) -> Shape {
-        match self {
-            Self::Scalar => Shape::Scalar,
-            Self::Vector(n) => Shape::Vector(n),
-            Self::Symmetric(n) => Shape::Matrix(n, n),
-            Self::Matrix(rows, columns) => Shape::Matrix(rows, columns),
-            Self::UnitComplex => Shape::Vector(2),
-            Self::UnitQuaternion | Self::RigidMotion2 => Shape::Vector(4),
-            Self::RigidMotion3 => Shape::Vector(7),
-        }
-    }
-}
-
 impl From<Shape> for Kind {
     fn from(shape: Shape) -> Self {
         match shape {

@@ -79,12 +79,6 @@ impl Scheme {
     }
 }
 
-/// Whether a bare retraction stands for the step of Störmer and Verlet whatever the system: what is not odd makes no
-/// symmetric step of [the first member](Member::SYMPLECTIC_EULER_A).
-pub fn stands_for_verlet(retraction: Retraction) -> bool {
-    !retraction.is_odd()
-}
-
 /// A member of a [method](Method): its parameter `s` as a fraction in lowest terms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Member {

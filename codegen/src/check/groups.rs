@@ -31,7 +31,7 @@ pub(crate) fn group(
         return diagnostics.fail(written.keyword(), message);
     }
     for retraction in retractions.iter().filter(|&&retraction| !group.has(retraction)) {
-        let (retraction, absence) = (retraction.name(), retraction.absence());
+        let (retraction, absence) = (retraction.name(), retraction.row().absence);
         let message = format!("there are no steps on {name} with `{retraction}`: {absence}");
         diagnostics.push(written.keyword(), message);
     }

@@ -37,7 +37,8 @@ pub struct Description<'d> {
     pub forces: Vec<Force<'d>>,
     /// Names whose declarations are in error: using them is no further error.
     pub unknown: Vec<String>,
-    sound: bool,
+    /// Whether the description has a meaning, but for problems in its expressions.
+    pub is_sound: bool,
 }
 
 /// A factor of the configuration's group; each element of an array is one.
@@ -63,6 +64,7 @@ pub struct Advected<'d> {
 }
 
 /// A field marked `#[inertia]`.
+#[derive(Clone)]
 pub struct Inertia {
     /// The field.
     pub field: usize,
@@ -113,13 +115,6 @@ impl Factors {
     }
 }
 
-impl Description<'_> {
-    /// Whether the description has a meaning, but for problems in its expressions.
-    pub fn is_sound(&self) -> bool {
-        self.sound
-    }
-}
-
 /// Resolves a description, and reports every rule that it breaks.
 pub fn resolve<'d>(
     attribute: &'d Attribute,
@@ -138,9 +133,9 @@ pub fn resolve<'d>(
     resolver.check_scalars(diagnostics);
     resolver.check_units(&advected, diagnostics);
     let unknown = resolver.unknown_names(&advected);
-    let sound = attribute.is_sound() && item.sound && diagnostics.len() == before;
+    let is_sound = attribute.is_sound && item.sound && diagnostics.len() == before;
     let factors = resolver.factors;
-    Description { attribute, item, factors, advected, inertias, forces, unknown, sound }
+    Description { attribute, item, factors, advected, inertias, forces, unknown, is_sound }
 }
 
 /// The name of a factor's momentum.

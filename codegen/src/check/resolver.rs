@@ -29,7 +29,7 @@ pub(super) struct Resolver<'d> {
 impl<'d> Resolver<'d> {
     /// Finds the groups: of the catalogue, of a family, or of a basis of the user's own.
     pub(super) fn new(attribute: &'d Attribute, item: &'d Item, diagnostics: &mut Diagnostics) -> Self {
-        let retractions = attribute.named_retractions();
+        let retractions = &attribute.retractions;
         let mut dimension = 0;
         let known = |factor: &parse::Factor| {
             // nothing more is looked up for a system that is too large already

@@ -57,7 +57,7 @@ impl<'d> Resolver<'d> {
         if !self.groups_are_known() {
             return;
         }
-        let named = self.attribute.named_retractions();
+        let named = &self.attribute.retractions;
         for parameter in advected.iter().filter(|parameter| parameter.name.is_first()) {
             for retraction in named.iter().filter(|&&retraction| !parameter.space.has(retraction)) {
                 let message = format!("there are no steps with `{}` that move this space", retraction.name());

@@ -41,7 +41,12 @@ fn velocities(system: &System<'_>) -> Vec<String> {
         }
         Energy::Mechanical { .. } => {
             let blocks = |field: &InertiaField<'_>| {
-                field.blocks.iter().map(|block| by_inertia(system, field, block)).collect::<Vec<_>>()
+                field
+                    .described
+                    .blocks
+                    .iter()
+                    .map(|block| by_inertia(system, field, block))
+                    .collect::<Vec<_>>()
             };
             system.inertias.iter().flat_map(blocks).collect()
         }
@@ -56,7 +61,7 @@ fn by_inertia(system: &System<'_>, field: &InertiaField<'_>, block: &[usize]) ->
     };
     let velocity = together(&|factor| factor.velocity_name());
     let momentum = together(&|factor| factor.momentum_name.plain());
-    format!("{velocity} = {}⁻¹ {momentum}", field.name.plain())
+    format!("{velocity} = {}⁻¹ {momentum}", field.described.name.plain())
 }
 
 /// How configuration, momentum and advected parameters of a factor change.

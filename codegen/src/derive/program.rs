@@ -7,7 +7,7 @@ use crate::identifiers::plain;
 use crate::kernel::{self, Inputs};
 use crate::language;
 use crate::method::linearization::Linearization;
-use crate::model::{InertiaField, InertiaShape, Name, Part, Place, Relation, System};
+use crate::model::{InertiaField, InertiaShape, Part, Place, Relation, System};
 use crate::program::{
     Constant, Documentation, Element, Inertia, Input, Interface, Module, Program, Quantity, StepProgram,
     SystemRole, Transform,
@@ -27,17 +27,18 @@ pub(crate) fn program<'a>(arena: &'a Arena, system: &System<'a>, retractions: &[
 
 /// A system's public surface.
 fn interface(system: &System<'_>) -> Interface {
-    let quantity = |part: &Part<'_>| {
+    let quantity = |part: &Part| {
         let configuration = system.factors.iter().find(|factor| factor.name == part.name);
         let tangent = match part.role {
             Role::Configuration => configuration.map_or(0, |factor| factor.momentum.len()),
             Role::Parameter | Role::Momentum | Role::Advected | Role::Control => part.symbols.len(),
         };
+        let element = |Place { index, length }| Element { array: plain(&part.name.ident), index, length };
         let has_side = !matches!(part.role, Role::Parameter | Role::Control);
         Quantity {
             role: part.role,
             name: part.name.plain(),
-            element: element(&part.name),
+            element: part.name.place.map(element),
             components: part.suffixes.clone(),
             kind: part.kind,
             tangent: 0..tangent,
@@ -47,14 +48,14 @@ fn interface(system: &System<'_>) -> Interface {
         }
     };
     let inertia = |inertia: &InertiaField<'_>| Inertia {
-        name: inertia.name.plain(),
-        is_matrix: inertia.shape == InertiaShape::Matrix,
+        name: inertia.described.name.plain(),
+        is_matrix: inertia.described.shape == InertiaShape::Matrix,
         rows: inertia.matrix.rows,
     };
     let constants = system.constants.iter();
     let constant =
         |constant: &language::Constant<'_>| Constant { name: constant.name.clone(), path: constant.path() };
-    let velocity = system.velocity_relation();
+    let (velocity, is_linear) = (system.velocity_relation(), system.group.is_linear());
     Interface {
         name: system.name.clone(),
         scalar: system.scalar,
@@ -71,10 +72,11 @@ fn interface(system: &System<'_>) -> Interface {
         is_left_invariant: system.is_left_invariant(),
         is_forced: system.is_forced(),
         velocity: transform(velocity),
-        is_velocity_timed: velocity.value().is_some_and(|value| value.depends_on(&system.time_symbol())),
+        is_velocity_timed: matches!(velocity, Relation::Explicit(value) | Relation::Implicit(value)
+            if value.depends_on(&system.time_symbol())),
         momentum: transform(&system.momentum_relation()),
         documentation: Documentation {
-            coordinates: coordinates(system),
+            coordinates: if is_linear { "in Cartesian coordinates" } else { system.side.coordinates() },
             equations: system.equations(),
             conventions: conventions(system),
         },
@@ -97,20 +99,6 @@ fn transform(relation: &Relation<'_>) -> Transform {
         Relation::Explicit(_) => Transform::Explicit,
         Relation::Implicit(_) => Transform::Newton,
         Relation::Singular => Transform::Singular,
-    }
-}
-
-/// Where a quantity stands in an array, if it does.
-fn element(name: &Name) -> Option<Element> {
-    let Place { index, length } = name.place?;
-    Some(Element { array: plain(&name.ident), index, length })
-}
-
-/// In which coordinates the equations of motion are.
-fn coordinates(system: &System<'_>) -> &'static str {
-    match system.group.is_linear() {
-        true => "in Cartesian coordinates",
-        false => system.side.coordinates(),
     }
 }
 
@@ -155,41 +143,39 @@ fn at_state(system: &System<'_>) -> Inputs {
 fn energies<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module<SystemRole>> {
     let casimirs = Vector(system.casimirs().found.iter().map(|&(_, value)| value).collect());
     let inputs = || at_state(system).with(Input::Time, system.time_symbol());
-    let mut functions = vec![
-        function(arena, system, SystemRole::Energy, &Vector(vec![system.energy()]), inputs()),
-        kernel::function(arena, SystemRole::Casimirs, &casimirs, inputs()),
-        kernel::function(arena, SystemRole::SpatialMomentum, &spatial_momentum(system), inputs()),
-    ];
+    let mut functions = Vec::new();
+    let mut add = |role, value: &Vector<'a>, inputs: Inputs| {
+        functions.push(function(arena, system, role, value, inputs));
+    };
+    add(SystemRole::Energy, &Vector(vec![system.energy()]), inputs());
+    add(SystemRole::Casimirs, &casimirs, inputs());
+    let in_space = match system.side {
+        Side::Left => geometry::conserved(system),
+        Side::Right => system.momentum(),
+    };
+    add(SystemRole::SpatialMomentum, &in_space, inputs());
     let off = system.group.deviation(&system.configuration());
     if !off.is_empty() {
         let inputs = Inputs::default().with(Input::State, system.state_symbols());
-        functions.push(kernel::function(
-            arena,
-            SystemRole::Deviation,
-            &Vector(vec![off.dot(&off).sqrt()]),
-            inputs,
-        ));
+        add(SystemRole::Deviation, &Vector(vec![off.dot(&off).sqrt()]), inputs);
     }
     let velocity = system.velocity_symbols().symbols();
     let with_velocity = || inputs().with(Input::Velocity, velocity.clone());
-    functions.extend(match system.velocity_relation() {
-        Relation::Explicit(value) => Some(function(arena, system, SystemRole::Velocity, value, inputs())),
+    match system.velocity_relation() {
+        Relation::Explicit(value) => add(SystemRole::Velocity, value, inputs()),
         Relation::Implicit(residual) => {
-            let newton = newton(residual, &velocity);
-            Some(function(arena, system, SystemRole::VelocityNewton, &newton, with_velocity()))
+            add(SystemRole::VelocityNewton, &newton(residual, &velocity), with_velocity());
         }
-        Relation::Singular => None,
-    });
-    functions.extend(match system.momentum_relation() {
-        Relation::Explicit(value) => {
-            Some(function(arena, system, SystemRole::Momentum, &value, with_velocity()))
-        }
+        Relation::Singular => {}
+    }
+    match system.momentum_relation() {
+        Relation::Explicit(value) => add(SystemRole::Momentum, &value, with_velocity()),
         Relation::Implicit(residual) => {
             let newton = newton(&residual, &system.momentum().symbols());
-            Some(function(arena, system, SystemRole::MomentumNewton, &newton, with_velocity()))
+            add(SystemRole::MomentumNewton, &newton, with_velocity());
         }
-        Relation::Singular => None,
-    });
+        Relation::Singular => {}
+    }
     functions
 }
 
@@ -215,14 +201,6 @@ fn function<'a>(
     });
     let inputs = needed.fold(inputs.clone(), |all, (input, symbols)| all.with(input, symbols));
     kernel::function(arena, role, value, inputs)
-}
-
-/// The momenta in space coordinates.
-fn spatial_momentum<'a>(system: &System<'a>) -> Vector<'a> {
-    match system.side {
-        Side::Left => geometry::conserved(system),
-        Side::Right => system.momentum(),
-    }
 }
 
 /// The pivots, which are positive where inertias are definite.

@@ -6,8 +6,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::arena::Arena;
 use super::expression::Expr;
-use super::node::{Id, Node, Sum};
-use super::number::Number;
+use super::node::{Id, Node};
 
 /// How many nodes `Display` writes of an expression before it leaves out the rest. Written as a tree, an expression can
 /// be exponentially longer than its graph; [`Formulas`] writes large ones.
@@ -72,18 +71,6 @@ fn write(
     Ok(())
 }
 
-/// The terms of a sum, and its constant.
-fn addends(sum: &Sum, pieces: &mut Vec<Piece>) {
-    for (i, &(id, coefficient)) in sum.terms.iter().enumerate() {
-        addend(i, coefficient, pieces);
-        pieces.push(Piece::Node(id, Binding::Product));
-    }
-    if !sum.constant.is_zero() {
-        let sign = if sum.constant.is_negative() { " - " } else { " + " };
-        pieces.push(Piece::Text(format!("{sign}{}", sum.constant.abs())));
-    }
-}
-
 /// A node's text, with places for its operands.
 fn pieces(arena: &Arena, id: Id, around: Binding) -> Vec<Piece> {
     let mut pieces = Vec::new();
@@ -100,7 +87,17 @@ fn pieces(arena: &Arena, id: Id, around: Binding) -> Vec<Piece> {
             false
         }
         Node::Sum(sum) => {
-            addends(&sum, &mut pieces);
+            for (i, &(id, coefficient)) in sum.terms.iter().enumerate() {
+                pieces.push(Piece::text(sign(i, coefficient.is_negative())));
+                if !coefficient.abs().is_one() {
+                    pieces.push(Piece::Text(format!("{} ", coefficient.abs())));
+                }
+                pieces.push(Piece::Node(id, Binding::Product));
+            }
+            if !sum.constant.is_zero() {
+                let sign = sign(sum.terms.len(), sum.constant.is_negative());
+                pieces.push(Piece::Text(format!("{sign}{}", sum.constant.abs())));
+            }
             let lone = sum.is_scaled_term();
             around > if lone { Binding::Product } else { Binding::Sum }
                 || (lone && around > Binding::Sum && sum.terms[0].1.is_negative())
@@ -150,15 +147,6 @@ pub(crate) fn sign(place: usize, negative: bool) -> &'static str {
         (0, true) => "-",
         (_, false) => " + ",
         (_, true) => " - ",
-    }
-}
-
-/// The sign and the magnitude before a sum's term.
-fn addend(place: usize, coefficient: Number, pieces: &mut Vec<Piece>) {
-    pieces.push(Piece::text(sign(place, coefficient.is_negative())));
-    let magnitude = coefficient.abs();
-    if !magnitude.is_one() {
-        pieces.push(Piece::Text(format!("{magnitude} ")));
     }
 }
 

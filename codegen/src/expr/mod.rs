@@ -9,6 +9,7 @@ mod linear;
 mod node;
 mod number;
 mod quotient;
+mod rational;
 mod rule;
 mod vanishing;
 
@@ -22,4 +23,5 @@ pub(crate) use linear::uncoupled;
 pub use linear::{Matrix, Vector};
 pub use node::{Function, Id, Node, Stage, Sum, Symbol, SymbolInfo};
 pub use number::Number;
+pub(crate) use rational::Rational;
 pub use rule::DerivativeRule;

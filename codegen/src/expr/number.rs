@@ -2,9 +2,12 @@
 
 use std::cmp::Ordering;
 use std::fmt;
+use std::ops::{Add, Mul};
 
 use num_rational::Ratio;
-use num_traits::{CheckedAdd, CheckedMul, Signed};
+use num_traits::Signed;
+
+use super::rational::Rational;
 
 /// A constant: exact as long as numerator and denominator fit, otherwise rounded to `f64`.
 #[derive(Clone, Copy, Debug)]
@@ -41,7 +44,9 @@ impl Number {
 
     /// The ratio, if it is worth keeping exact.
     fn exact(ratio: Ratio<i128>) -> Option<Self> {
-        let part = |number: i128| i64::try_from(number).ok().filter(|&number| is_small(number));
+        let part = |number: i128| {
+            i64::try_from(number).ok().filter(|number| number.unsigned_abs() <= EXACT.unsigned_abs())
+        };
         Some(Self::Rational(Ratio::new_raw(part(*ratio.numer())?, part(*ratio.denom())?)))
     }
 
@@ -163,8 +168,8 @@ impl Number {
         if let Self::Rational(r) = self
             && !(self.is_zero() && exponent < 0)
         {
-            let base = wide(&if exponent < 0 { r.recip() } else { r });
-            let power = |part: &i128| part.checked_pow(exponent.unsigned_abs());
+            let base = if exponent < 0 { r.recip() } else { r };
+            let power = |part: &i64| i128::from(*part).checked_pow(exponent.unsigned_abs());
             // powers of numbers without a common divisor have none
             if let (Some(numerator), Some(denominator)) = (power(base.numer()), power(base.denom())) {
                 return Self::from_ratio(Ratio::new_raw(numerator, denominator));
@@ -175,62 +180,37 @@ impl Number {
 
     /// The square root where it is rational.
     pub fn exact_sqrt(self) -> Option<Self> {
-        let root = |square: i128| square.checked_isqrt().filter(|root| root * root == square);
-        let (numerator, denominator) = self.fraction()?;
-        Some(Self::ratio(root(numerator)?, root(denominator)?))
-    }
-
-    /// The whole number that it is.
-    fn whole(self) -> Option<i64> {
-        match self {
-            Self::Rational(r) if *r.denom() == 1 => Some(*r.numer()),
-            _ => None,
-        }
+        let Self::Rational(r) = self else { return None };
+        let (numerator, denominator) = Rational::from(r).square_root()?.parts()?;
+        Some(Self::ratio(numerator, denominator))
     }
 
     fn combine(
         self,
         other: Self,
-        whole: impl Fn(i64, i64) -> Option<i64>,
-        exact: impl Fn(&Ratio<i128>, &Ratio<i128>) -> Option<Ratio<i128>>,
-        rounded: impl Fn(f64, f64) -> f64,
+        exact: fn(Rational, Rational) -> Rational,
+        rounded: fn(f64, f64) -> f64,
     ) -> Self {
-        // nearly all are whole, and need no common divisor
-        if let (Some(a), Some(b)) = (self.whole(), other.whole())
-            && let Some(result) = whole(a, b).filter(|&result| is_small(result))
+        if let (Self::Rational(a), Self::Rational(b)) = (self, other)
+            && let Some((numerator, denominator)) = exact(a.into(), b.into()).parts()
         {
-            return Self::Rational(Ratio::new_raw(result, 1));
-        }
-        if let (Self::Rational(a), Self::Rational(b)) = (&self, &other)
-            && let Some(result) = exact(&wide(a), &wide(b))
-        {
-            return Self::from_ratio(result);
+            return Self::from_ratio(Ratio::new_raw(numerator, denominator));
         }
         Self::rounded(rounded(self.to_f64(), other.to_f64()))
     }
 }
 
-/// Whether a numerator or denominator is worth keeping.
-fn is_small(number: i64) -> bool {
-    number.unsigned_abs() <= EXACT.unsigned_abs()
-}
-
-/// With room for what is computed of it.
-fn wide(ratio: &Ratio<i64>) -> Ratio<i128> {
-    Ratio::new_raw((*ratio.numer()).into(), (*ratio.denom()).into())
-}
-
-impl std::ops::Add for Number {
+impl Add for Number {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        self.combine(other, i64::checked_add, |a, b| a.checked_add(b), |a, b| a + b)
+        self.combine(other, Rational::add, f64::add)
     }
 }
 
-impl std::ops::Mul for Number {
+impl Mul for Number {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
-        self.combine(other, i64::checked_mul, |a, b| a.checked_mul(b), |a, b| a * b)
+        self.combine(other, Rational::mul, f64::mul)
     }
 }
 

@@ -86,9 +86,8 @@ impl Arena {
         match self.node(id) {
             Node::Number(number) => !number.is_negative() && !number.is_zero(),
             Node::Sum(Sum { constant, terms }) => {
-                let is_no_less = terms.iter().all(|&(term, c)| !c.is_negative() && self.is_nonnegative(term));
-                let is_more = !constant.is_zero() || terms.iter().any(|&(term, _)| self.is_positive(term));
-                is_no_less && !constant.is_negative() && is_more
+                let is_more = || !constant.is_zero() || terms.iter().any(|&(term, _)| self.is_positive(term));
+                self.is_nonnegative(id) && is_more()
             }
             Node::Product(factors) => factors.iter().all(|&(factor, _)| self.is_positive(factor)),
             Node::Function(Function::Exp | Function::Cosh, _) => true,
@@ -102,15 +101,15 @@ impl Arena {
         match self.node(id) {
             Node::Number(number) => !number.is_negative(),
             Node::Sum(Sum { constant, terms }) => {
-                let is_no_less = terms.iter().all(|&(term, c)| !c.is_negative() && self.is_nonnegative(term));
-                is_no_less && !constant.is_negative()
+                let is_no_less = |&(term, c): &(Id, Number)| !c.is_negative() && self.is_nonnegative(term);
+                !constant.is_negative() && terms.iter().all(is_no_less)
             }
             Node::Product(factors) => {
                 factors.iter().all(|&(factor, e)| e % 2 == 0 || self.is_nonnegative(factor))
             }
             Node::Function(Function::Exp | Function::Cosh | Function::Sqrt | Function::Acos, _) => true,
-            Node::Held(x) => self.is_nonnegative(x),
             Node::Power(..) => true,
+            Node::Held(x) => self.is_nonnegative(x),
             _ => false,
         }
     }
@@ -160,7 +159,9 @@ impl<'a> Vanishing<'a> {
                     // none of them is more than the sum
                     sum.terms.iter().for_each(|&(term, _)| self.learn_square(term, order));
                 } else if sum.constant.is_zero() {
-                    self.learn_row(sum.terms.iter().copied().collect(), order);
+                    // it stands for itself, and together with others for all that they span
+                    let (row, order) = self.reduced(sum.terms.iter().copied().collect(), order);
+                    self.rows.extend((!row.is_empty()).then_some((row, order)));
                 }
             }
             _ => {}
@@ -172,14 +173,6 @@ impl<'a> Vanishing<'a> {
         self.orders.insert(term, order);
         if let Some(Some((factor, exponent))) = square(self.arena, term) {
             self.learn(factor, order / f64::from(exponent));
-        }
-    }
-
-    /// Of a sum, which stands for itself and together with others for all that they span.
-    fn learn_row(&mut self, row: BTreeMap<Id, Number>, order: f64) {
-        let (row, order) = self.reduced(row, order);
-        if !row.is_empty() {
-            self.rows.push((row, order));
         }
     }
 
@@ -448,7 +441,10 @@ impl<'a> Vanishing<'a> {
                 (None, Node::Product(factors)) => {
                     factors.iter().any(|(factor, e)| *e > 0 && self.odd[factor])
                 }
-                (None, Node::Function(Function::Acos, x)) => radicand_of_acos(self.arena, x) == self.base,
+                (None, Node::Function(Function::Acos, x)) => {
+                    // what the root is taken of in the derivative
+                    (self.arena.one() - self.arena.expr(x).powi(2)).id == self.base
+                }
                 (None, Node::Function(function, x)) => function.is_odd() && self.odd[&x],
                 (None, Node::Atan2(y, _)) => self.odd[&y],
                 (None, Node::Number(_) | Node::Symbol(_) | Node::Power(..)) => false,
@@ -541,11 +537,6 @@ fn powered(order: f64, exponent: f64) -> f64 {
         (true, false) => UNBOUNDED,
         (false, false) => 0.0,
     }
-}
-
-/// What the root is taken of in the derivative of an arc cosine.
-fn radicand_of_acos(arena: &Arena, x: Id) -> Id {
-    (arena.one() - arena.expr(x).powi(2)).id
 }
 
 /// Whether a term is an even power of something times squares, constants and what is positive; and of what, if there is

@@ -9,7 +9,7 @@
 //! basis then, and what it finds is expanded.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::ops::Range;
+use std::ops::{Add, Mul, Range};
 
 use num_rational::Ratio;
 
@@ -32,11 +32,11 @@ type Part = Vec<usize>;
 /// A polynomial with whole coefficients without a common divisor.
 pub type Polynomial = BTreeMap<Monomial, i64>;
 
-/// The Casimirs found, and how many are missing.
+/// The Casimirs found, as polynomials or as something made of these, and how many are missing.
 #[derive(Clone, Debug)]
-pub struct Casimirs {
+pub struct Casimirs<T = Polynomial> {
     /// Independent ones, those of a lower degree first.
-    pub found: Vec<Polynomial>,
+    pub found: Vec<T>,
     /// How many more there are: of a higher degree, with large coefficients, or no polynomials at all.
     pub missing: usize,
 }
@@ -44,7 +44,7 @@ pub struct Casimirs {
 /// The Casimirs that are functions of these variables alone. These are given in blocks: a Casimir is searched for among
 /// the polynomials of one degree in each block, so that what is scaled apart stays apart.
 pub fn casimirs(structure: &Structure, blocks: &[Range<usize>]) -> Casimirs {
-    let point = generic_point(structure.dimension());
+    let point = generic_point(structure.dimension);
     let all = number(structure, blocks, &point);
     let acting: Vec<BTreeSet<usize>> = blocks.iter().map(|block| acting_on(structure, block)).collect();
     let mut independent = Echelon::default();
@@ -92,25 +92,17 @@ pub fn casimirs_of(algebra: &Semidirect, blocks: &[Range<usize>]) -> Option<Casi
 /// The polynomial with a sum of the first variables instead of each of these, its row; none if coefficients grow too
 /// large.
 fn expanded(polynomial: &Polynomial, rows: &[Vec<Ratio<i64>>]) -> Option<Polynomial> {
-    let sum = |variable: usize| -> Vec<(usize, Rational)> {
-        let Some(row) = rows.get(variable) else { return vec![(variable, Rational::one())] };
-        row.iter().map(|&x| Rational::from(x)).enumerate().filter(|(_, x)| !x.is_zero()).collect()
+    let sum = |variable: &usize| -> BTreeMap<Monomial, Rational> {
+        let Some(row) = rows.get(*variable) else {
+            return BTreeMap::from([(vec![*variable], Rational::one())]);
+        };
+        let row = row.iter().map(|&x| Rational::from(x)).enumerate().filter(|(_, x)| !x.is_zero());
+        row.map(|(variable, x)| (vec![variable], x)).collect()
     };
     let mut terms: BTreeMap<Monomial, Rational> = BTreeMap::new();
     for (monomial, &coefficient) in polynomial {
-        let mut product = BTreeMap::from([(Monomial::new(), Rational::from(i128::from(coefficient)))]);
-        for &variable in monomial {
-            let mut longer: BTreeMap<Monomial, Rational> = BTreeMap::new();
-            for (monomial, coefficient) in product {
-                for (variable, factor) in sum(variable) {
-                    let mut monomial = monomial.clone();
-                    monomial.insert(monomial.partition_point(|&other| other < variable), variable);
-                    let entry = longer.entry(monomial).or_insert_with(Rational::zero);
-                    *entry = *entry + coefficient * factor;
-                }
-            }
-            product = longer;
-        }
+        let coefficient = BTreeMap::from([(Monomial::new(), Rational::from(i128::from(coefficient)))]);
+        let product = monomial.iter().fold(coefficient, |product, variable| times(&product, &sum(variable)));
         for (monomial, coefficient) in product {
             let entry = terms.entry(monomial).or_insert_with(Rational::zero);
             *entry = *entry + coefficient;
@@ -150,7 +142,7 @@ fn generic_point(dimension: usize) -> Vec<u64> {
 fn number(structure: &Structure, blocks: &[Range<usize>], point: &[u64]) -> usize {
     let mut rank = Echelon::default();
     let variables = || blocks.iter().cloned().flatten();
-    for j in 0..structure.dimension() {
+    for j in 0..structure.dimension {
         let value = |i: usize| {
             let constants = structure.bracket(i, j).iter();
             constants.fold(0, |sum, &(k, constant)| (sum + residue(constant) * point[k]) % PRIME)
@@ -162,7 +154,7 @@ fn number(structure: &Structure, blocks: &[Range<usize>], point: &[u64]) -> usiz
 
 /// The `j` with derivations `{·, m_j}` that change any of these variables.
 fn acting_on(structure: &Structure, variables: &Range<usize>) -> BTreeSet<usize> {
-    let all = 0..structure.dimension();
+    let all = 0..structure.dimension;
     all.filter(|&j| variables.clone().any(|i| !structure.bracket(i, j).is_empty())).collect()
 }
 
@@ -227,13 +219,16 @@ fn without(blocks: &[usize], taken: &[usize]) -> Option<Part> {
     })
 }
 
-fn times(a: &Polynomial, b: &Polynomial) -> Polynomial {
-    let mut product = Polynomial::new();
-    for (m, x) in a {
-        for (n, y) in b {
+fn times<T: Copy + Add<Output = T> + Mul<Output = T>>(
+    a: &BTreeMap<Monomial, T>,
+    b: &BTreeMap<Monomial, T>,
+) -> BTreeMap<Monomial, T> {
+    let mut product = BTreeMap::new();
+    for (m, &x) in a {
+        for (n, &y) in b {
             let mut monomial = [m.clone(), n.clone()].concat();
             monomial.sort_unstable();
-            *product.entry(monomial).or_default() += x * y;
+            product.entry(monomial).and_modify(|sum| *sum = *sum + x * y).or_insert(x * y);
         }
     }
     product
@@ -424,7 +419,7 @@ fn greatest_common_divisor(mut a: i128, mut b: i128) -> i128 {
 
 /// Whether all derivations annul a polynomial, exactly.
 fn is_kept(structure: &Structure, polynomial: &Polynomial) -> bool {
-    (0..structure.dimension()).all(|j| {
+    (0..structure.dimension).all(|j| {
         let mut image: BTreeMap<Monomial, Ratio<i64>> = BTreeMap::new();
         for (monomial, coefficient, constant) in derivation(structure, polynomial, j) {
             *image.entry(monomial).or_default() += constant * coefficient;

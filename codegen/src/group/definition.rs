@@ -64,14 +64,14 @@ pub trait Group: AsGroup + Sync {
     }
     /// `τ(x)`
     fn retract<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vector<'a> {
-        match retraction.law() {
+        match retraction.row().law {
             Law::Function(f) => self.closed_form(f, x),
             Law::Composite(map) => map.retract(self.as_group(), x),
         }
     }
     /// `(dR τ_x)* m`, the dual of the right logarithmic derivative `dR τ_x y = Dτ(x)y · τ(x)⁻¹`.
     fn d_right_dual<'a>(&self, retraction: Retraction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
-        match retraction.law() {
+        match retraction.row().law {
             Law::Function(f) => self.closed_d_right_dual(f, x, m),
             Law::Composite(map) => map.d_right_dual(self.as_group(), x, m),
         }
@@ -83,7 +83,7 @@ pub trait Group: AsGroup + Sync {
     }
     /// Whether there are steps with a retraction.
     fn has(&self, retraction: Retraction) -> bool {
-        match retraction.law() {
+        match retraction.row().law {
             Law::Function(f) => self.has_function(f),
             Law::Composite(map) => map.is_for(self.as_group()),
         }
@@ -97,7 +97,7 @@ pub trait Group: AsGroup + Sync {
     fn closed_domain<'a>(&self, f: MatrixFunction, x: &Vector<'a>) -> Vec<Expr<'a>>;
     /// The same of a retraction.
     fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vec<Expr<'a>> {
-        match retraction.law() {
+        match retraction.row().law {
             Law::Function(f) => self.closed_domain(f, x),
             Law::Composite(map) => map.domain(self.as_group(), x),
         }
@@ -134,11 +134,6 @@ pub trait Group: AsGroup + Sync {
     /// Its algebra as one of matrices, with the same axes: that of the family of its name, unless that has others.
     fn basis(&self) -> Option<Basis> {
         families::basis(self.name())
-    }
-    /// The same up to a few terms of series that are not finite sums, if it has such: close enough for Newton's matrix,
-    /// and much shorter.
-    fn coarse(&self) -> Option<&'static dyn Group> {
-        None
     }
     /// The number `k` for which the unknown of a step is `η/k`: 2 where the retraction is a function of `η/2`.
     fn unknown_scale(&self, _retraction: Retraction) -> i128 {

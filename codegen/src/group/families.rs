@@ -90,7 +90,7 @@ pub(super) fn basis(name: &str) -> Option<Basis> {
             let time = vec![named("t", size, &[(n, n + 1, 1)])];
             (size, [rotations(n, size), vectors, time].concat(), vec![turns, n, n, 1])
         }
-        "GL" => (n, all(n), vec![n * n]),
+        "GL" => (n, units(n, |_| true), vec![n * n]),
         "SL" => (n, traceless(n), vec![n * n - 1]),
         "SP" if n % 2 == 0 => (n, symplectic(n / 2), vec![n * (n + 1) / 2]),
         "SU" => (2 * n, unitary(n), vec![n * n - 1]),
@@ -127,19 +127,15 @@ fn translations(n: usize, columns: &[usize], size: usize) -> Vec<NamedMatrix> {
     places.map(|(i, column, name)| named(format!("{name}{}", i + 1), size, &[(i, column, 1)])).collect()
 }
 
-fn all(n: usize) -> Vec<NamedMatrix> {
-    (0..n * n)
-        .map(|k| (k / n, k % n))
-        .map(|(i, j)| named(format!("e{}{}", i + 1, j + 1), n, &[(i, j, 1)]))
-        .collect()
+/// Matrices of one entry each, of those places that are wanted.
+fn units(n: usize, is_wanted: impl Fn(&(usize, usize)) -> bool) -> Vec<NamedMatrix> {
+    let places = (0..n * n).map(|k| (k / n, k % n)).filter(is_wanted);
+    places.map(|(i, j)| named(format!("e{}{}", i + 1, j + 1), n, &[(i, j, 1)])).collect()
 }
 
 fn traceless(n: usize) -> Vec<NamedMatrix> {
-    let mut basis: Vec<NamedMatrix> =
-        (0..n - 1).map(|i| named(format!("h{}", i + 1), n, &[(i, i, 1), (i + 1, i + 1, -1)])).collect();
-    let off = (0..n * n).map(|k| (k / n, k % n)).filter(|(i, j)| i != j);
-    basis.extend(off.map(|(i, j)| named(format!("e{}{}", i + 1, j + 1), n, &[(i, j, 1)])));
-    basis
+    let diagonal = |i: usize| named(format!("h{}", i + 1), n, &[(i, i, 1), (i + 1, i + 1, -1)]);
+    (0..n - 1).map(diagonal).chain(units(n, |(i, j)| i != j)).collect()
 }
 
 /// `[[A, B], [C, −Aᵀ]]` with symmetric `B` and `C`.

@@ -1,4 +1,4 @@
-//! The catalogue of groups: one file each, with its conventions.
+//! The catalogue of groups: a file for each kind, with its conventions.
 //!
 //! A group states its closed forms as symbolic expressions; everything else is derived from them. Each typed-in form is
 //! tested against its definition (power series, matrix products, differences).
@@ -14,15 +14,12 @@ mod product;
 mod representation;
 mod retraction;
 mod rigid;
-mod se2;
-mod se3;
 mod second_kind;
 mod semidirect;
 mod side;
 mod so2;
 mod so3;
 mod structure;
-mod su2;
 
 pub use definition::{
     AsGroup, Component, ComponentValue, EquationNames, Equations, Group, GroupNames, Moved,
@@ -35,15 +32,12 @@ pub use product::{Place, Product};
 pub use representation::{Adjoint, Dual, Representation, SpaceNames, Translation};
 pub(crate) use retraction::{Composite, Law};
 pub use retraction::{MatrixFunction, Retraction};
-pub use rigid::Rigid;
-pub use se2::SE2;
-pub use se3::SE3;
-pub use semidirect::{Semidirect, SemidirectVector};
+pub use rigid::{Rigid, SE2, SE3};
+pub use semidirect::{Acted, Semidirect, SemidirectVector};
 pub use side::Side;
 pub use so2::SO2;
-pub use so3::SO3;
+pub use so3::{SO3, SU2, UnitQuaternions};
 pub use structure::Structure;
-pub use su2::SU2;
 
 /// The name of a part of a momentum or velocity of this name: `angular_momentum`, `hull_linear_velocity`.
 pub fn part_name(whole: &str, part: &str) -> String {

@@ -118,14 +118,6 @@ impl Product {
         self.factors.iter().any(|factor| factor.is_summed(retraction))
     }
 
-    /// The same up to a few terms of series that are not finite sums, if there are such.
-    pub fn coarse(&self) -> Option<Self> {
-        let coarse: Vec<_> = self.factors.iter().map(Semidirect::coarse).collect();
-        let factor = |(factor, coarse): (&Semidirect, Option<Semidirect>)| coarse.unwrap_or(factor.clone());
-        let any = coarse.iter().any(Option::is_some);
-        any.then(|| Self { factors: self.factors.iter().zip(coarse).map(factor).collect() })
-    }
-
     /// For each factor the number `k` for which its unknown is `η/k`.
     pub fn unknown_scales(&self, retraction: Retraction) -> Vec<i128> {
         self.factors.iter().map(|factor| factor.group.unknown_scale(retraction)).collect()
@@ -280,10 +272,7 @@ impl Product {
 
     /// `Ad*_{τ(x)} a` for each space.
     pub fn carry<'a>(&self, retraction: Retraction, x: &Vector<'a>, a: &[Vector<'a>]) -> Vec<Vector<'a>> {
-        self.each_space(|factor, place| {
-            let spaces = place.spaces(a).iter().enumerate();
-            spaces.map(|(space, a)| factor.carry(space, retraction, &place.algebra(x), a)).collect()
-        })
+        self.each_space(|factor, place| factor.carry(retraction, &place.algebra(x), place.spaces(a)))
     }
 
     /// `ad*_(x,w) (m, a)`

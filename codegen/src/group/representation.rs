@@ -49,10 +49,6 @@ pub trait Representation: Sync {
     fn dual(&self) -> Option<&'static dyn Representation> {
         None
     }
-    /// The same up to a few terms of series that are not finite sums, if it has such.
-    fn coarse(&self) -> Option<&'static dyn Representation> {
-        None
-    }
 }
 
 /// What a space and its coordinates are called, and what acts on it.
@@ -168,10 +164,6 @@ impl Representation for Adjoint {
     fn dual(&self) -> Option<&'static dyn Representation> {
         Some(Box::leak(Box::new(Coadjoint(self.0))))
     }
-
-    fn coarse(&self) -> Option<&'static dyn Representation> {
-        self.0.coarse().map(Self::of)
-    }
 }
 
 /// The names of an algebra as a space on which it acts itself.
@@ -207,10 +199,6 @@ impl Representation for Coadjoint {
 
     fn dual(&self) -> Option<&'static dyn Representation> {
         Some(Adjoint::of(self.0))
-    }
-
-    fn coarse(&self) -> Option<&'static dyn Representation> {
-        Adjoint(self.0.coarse()?).dual()
     }
 }
 
@@ -265,9 +253,5 @@ impl Representation for Dual {
 
     fn dual(&self) -> Option<&'static dyn Representation> {
         Some(self.of)
-    }
-
-    fn coarse(&self) -> Option<&'static dyn Representation> {
-        self.of.coarse().map(Self::of)
     }
 }

@@ -18,6 +18,9 @@ pub enum Retraction {
     SecondKind,
     /// `exp(x_d E_d) ⋯ exp(x₁E₁)`: what [`SecondKind`](Self::SecondKind) is backwards.
     ReversedSecondKind,
+    /// The exponential map up to a few terms of series that are not finite sums: close enough for Newton's matrix, and
+    /// much shorter.
+    Coarse,
 }
 
 /// A retraction that is a function `f` of one matrix, with `f(−X) = f(X)⁻¹`.
@@ -31,6 +34,8 @@ pub enum MatrixFunction {
     Exponential,
     /// [`Retraction::Cayley`]
     Cayley,
+    /// [`Retraction::Coarse`]
+    Coarse,
 }
 
 /// How a retraction is made for any group.
@@ -67,22 +72,23 @@ pub(crate) trait Composite: Sync {
 }
 
 /// The row of a retraction.
-struct Row {
+pub(crate) struct Row {
     name: &'static str,
-    snake_name: &'static str,
-    law: Law,
+    /// Its name among those of functions: `second_kind`.
+    pub(crate) snake_name: &'static str,
+    pub(crate) law: Law,
     reversed: Retraction,
     /// Whether steps are generated with it unless others are asked for.
     is_default: bool,
     /// Why some groups have no steps with it.
-    absence: &'static str,
+    pub(crate) absence: &'static str,
 }
 
 impl Retraction {
     /// Those that steps are asked for by.
     pub const ALL: [Self; 3] = [Self::Exponential, Self::Cayley, Self::SecondKind];
 
-    fn row(self) -> Row {
+    pub(crate) fn row(self) -> Row {
         const UNKNOWN: &str = "where they are singular is not known";
         match self {
             Self::Exponential => Row {
@@ -117,17 +123,18 @@ impl Retraction {
                 is_default: false,
                 absence: UNKNOWN,
             },
+            Self::Coarse => Row {
+                law: Law::Function(MatrixFunction::Coarse),
+                reversed: Self::Coarse,
+                is_default: false,
+                ..Self::Exponential.row()
+            },
         }
     }
 
     /// The name of the runtime's marker type; what is backwards has none of its own.
     pub fn name(self) -> &'static str {
         self.row().name
-    }
-
-    /// Its name among those of functions: `second_kind`.
-    pub fn snake_name(self) -> String {
-        self.row().snake_name.to_owned()
     }
 
     /// Those with which steps are generated unless others are asked for.
@@ -138,11 +145,6 @@ impl Retraction {
     /// Whether steps are generated with it unless others are asked for.
     pub fn is_default(self) -> bool {
         self.row().is_default
-    }
-
-    /// Why some groups have no steps with it.
-    pub fn absence(self) -> &'static str {
-        self.row().absence
     }
 
     /// `τ̄(x) = τ(−x)⁻¹`, a retraction with `dR τ̄_x = dL τ_{−x}`.
@@ -158,12 +160,7 @@ impl Retraction {
 
     /// Whether `τ(Ad_g x) = g τ(x) g⁻¹`.
     pub fn is_equivariant(self) -> bool {
-        matches!(self.law(), Law::Function(_))
-    }
-
-    /// By what law it is made.
-    pub(crate) fn law(self) -> Law {
-        self.row().law
+        matches!(self.row().law, Law::Function(_))
     }
 }
 
@@ -172,6 +169,7 @@ impl From<MatrixFunction> for Retraction {
         match f {
             MatrixFunction::Exponential => Self::Exponential,
             MatrixFunction::Cayley => Self::Cayley,
+            MatrixFunction::Coarse => Self::Coarse,
         }
     }
 }

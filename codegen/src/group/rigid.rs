@@ -1,5 +1,5 @@
-//! Rigid motions: what SE(2) and SE(3) have in common, rotations and the translations that they rotate, as one group
-//! `K ⋉ V`.
+//! SE(2) and SE(3), rigid motions of the plane and of space: rotations and the translations that they rotate, as one
+//! group `K ⋉ V`.
 //!
 //! Coordinates of the algebra: angular, then linear velocity, both in body coordinates; the dual likewise. Storage: the
 //! rotation's coordinates, then the translation from space origin to body origin, in space coordinates.
@@ -9,19 +9,24 @@
 //! * `τ(x, w) = (τ(x), P(x) w)`: `P = φ₁(ρ_x)` for the exponential, `(1 − ρ_x/2)⁻¹` for Cayley. The logarithmic
 //!   derivatives are those that [`Semidirect`] derives.
 
+use super::semidirect::momentum_map;
+use super::so2::{Plane, SO2};
+use super::so3::{SO3, Space};
 use super::{
-    Group, GroupNames, MatrixFunction, Representation, Retraction, Semidirect, SemidirectVector, Translation,
+    Component, ComponentValue, Group, GroupNames, MatrixFunction, Representation, Retraction, Semidirect,
+    SemidirectVector, Translation,
 };
 use crate::expr::{Expr, Number, Vector};
+use crate::quantity::Kind;
 
 /// Rotations and the space they act on.
 pub struct Rigid {
-    pub(super) names: GroupNames,
-    pub(super) rotations: &'static dyn Group,
+    names: GroupNames,
+    rotations: &'static dyn Group,
     /// The space that the rotations translate in.
-    pub(super) space: &'static dyn Representation,
+    space: &'static dyn Representation,
     /// The same with the motions acting on it: directions, which translations leave alone.
-    pub(super) directions: [&'static dyn Representation; 1],
+    directions: [&'static dyn Representation; 1],
 }
 
 impl Rigid {
@@ -78,14 +83,12 @@ impl Group for Rigid {
     }
 
     fn closed_domain<'a>(&self, f: MatrixFunction, x: &Vector<'a>) -> Vec<Expr<'a>> {
-        match f {
-            // dR exp is singular at a full turn
-            MatrixFunction::Exponential => {
-                let edge = x.0[0].arena().number(Number::FOUR_PI_SQUARED);
-                vec![edge - self.split(x).base.squared_norm()]
-            }
-            MatrixFunction::Cayley => Vec::new(),
+        if f == MatrixFunction::Cayley {
+            return Vec::new();
         }
+        // dR exp is singular at a full turn
+        let edge = x.0[0].arena().number(Number::FOUR_PI_SQUARED);
+        vec![edge - self.split(x).base.squared_norm()]
     }
 
     fn compose<'a>(&self, g: &Vector<'a>, h: &Vector<'a>) -> Vector<'a> {
@@ -112,7 +115,7 @@ impl Group for Rigid {
         let m = self.split(m);
         let linear = self.turned(&r, &m.spaces[0]);
         let angular = self.rotations.to_space(&r, &m.base);
-        let moment = self.semidirect().momentum_map(0, &p, &linear);
+        let moment = momentum_map(self.space, &p, &linear);
         join(&angular + &moment, &linear)
     }
 
@@ -124,3 +127,69 @@ impl Group for Rigid {
 fn join<'a>(first: Vector<'a>, second: &Vector<'a>) -> Vector<'a> {
     Vector::concat([&first, second])
 }
+
+/// Rigid motions of the plane.
+pub static SE2: Rigid = Rigid {
+    names: GroupNames {
+        name: "SE2",
+        conventions: "pose: isometry from body to space coordinates; momentum: angular momentum first, then linear, in body coordinates",
+        configuration: "pose",
+        kind: Kind::RigidMotion2,
+        coordinates: &["re", "im", "px", "py"],
+        unit_coordinates: 2,
+        axes: &["angular", "linear_x", "linear_y"],
+        blocks: &[1, 2],
+        parts: &["angular", "linear"],
+        components: PLANE,
+    },
+    rotations: &SO2,
+    space: &Plane(1),
+    directions: [&Plane(3)],
+};
+
+/// The fields of an isometry of the plane.
+const PLANE: &[Component] = &[
+    Component {
+        name: "rotation",
+        called: false,
+        of: |g| ComponentValue::Element(&SO2, Vector(g.0[..2].to_vec())),
+    },
+    Component {
+        name: "translation",
+        called: false,
+        of: |g| ComponentValue::Vector(Vector(g.0[2..].to_vec())),
+    },
+];
+
+/// Rigid motions of space.
+pub static SE3: Rigid = Rigid {
+    names: GroupNames {
+        name: "SE3",
+        conventions: "pose: isometry from body to space coordinates; momentum: angular part first, then linear, both in body coordinates",
+        configuration: "pose",
+        kind: Kind::RigidMotion3,
+        coordinates: &["w", "x", "y", "z", "px", "py", "pz"],
+        unit_coordinates: 4,
+        axes: &["angular_x", "angular_y", "angular_z", "linear_x", "linear_y", "linear_z"],
+        blocks: &[3, 3],
+        parts: &["angular", "linear"],
+        components: SPACE,
+    },
+    rotations: &SO3,
+    space: &Space(3),
+    directions: [&Space(6)],
+};
+
+/// The fields of an isometry of space.
+const SPACE: &[Component] = &[
+    Component {
+        name: "rotation",
+        called: false,
+        of: |g| ComponentValue::Element(&SO3, Vector(g.0[..4].to_vec())),
+    },
+    Component {
+        name: "translation",
+        called: false,
+        of: |g| ComponentValue::Vector(Vector(g.0[4..].to_vec())),
+    },
+];

@@ -75,14 +75,9 @@ impl Semidirect {
         domain
     }
 
-    /// The same up to a few terms of series that are not finite sums, if there are such.
-    pub fn coarse(&self) -> Option<Self> {
-        let (group, spaces) = (self.group.coarse(), self.spaces.iter().map(|space| space.coarse()));
-        let spaces: Vec<_> = spaces.collect();
-        (group.is_some() || spaces.iter().any(Option::is_some)).then(|| Self {
-            group: group.unwrap_or(self.group),
-            spaces: self.spaces.iter().zip(spaces).map(|(space, coarse)| coarse.unwrap_or(*space)).collect(),
-        })
+    /// The spaces, each with the group that acts on it.
+    fn acted(&self) -> impl Iterator<Item = Acted> {
+        self.spaces.iter().map(|&space| Acted { group: self.group, space })
     }
 
     /// `P(x)ᵀ a` for each space: the `V*` part of `(dR τ_(x,w))* (m, a)`, which depends on `x` and `a` alone.
@@ -92,67 +87,15 @@ impl Semidirect {
         x: &Vector<'a>,
         a: &[Vector<'a>],
     ) -> Vec<Vector<'a>> {
-        a.iter().enumerate().map(|(space, a)| self.translation_dual(space, retraction, x, a)).collect()
+        self.acted().zip(a).map(|(space, a)| space.translation_dual(retraction, x, a)).collect()
     }
 
-    /// `P(x) w`
-    pub fn translation<'a>(
-        &self,
-        space: usize,
-        retraction: Retraction,
-        x: &Vector<'a>,
-        w: &Vector<'a>,
-    ) -> Translation<'a> {
-        match retraction.law() {
-            Law::Function(f) => self.spaces[space].translation(f, x, w),
-            Law::Composite(map) => map.translation(w),
-        }
+    /// `Ad*_{τ(x)} a` for each space.
+    pub fn carry<'a>(&self, retraction: Retraction, x: &Vector<'a>, a: &[Vector<'a>]) -> Vec<Vector<'a>> {
+        self.acted().zip(a).map(|(space, a)| space.carry(retraction, x, a)).collect()
     }
 
-    /// `τ(x)` acting on a vector of one of the spaces.
-    pub fn transport<'a>(
-        &self,
-        space: usize,
-        retraction: Retraction,
-        x: &Vector<'a>,
-        v: &Vector<'a>,
-    ) -> Vector<'a> {
-        match retraction.law() {
-            Law::Function(f) => self.spaces[space].transport(f, x, v),
-            Law::Composite(map) => map.transport(self.group, self.spaces[space], x, v),
-        }
-    }
-
-    /// `P(x)ᵀ a`
-    fn translation_dual<'a>(
-        &self,
-        space: usize,
-        retraction: Retraction,
-        x: &Vector<'a>,
-        a: &Vector<'a>,
-    ) -> Vector<'a> {
-        transposed(a, a.len(), |u| {
-            let Translation { body_part, rotated_part, .. } = self.translation(space, retraction, x, u);
-            &body_part + &self.transport(space, retraction, x, &rotated_part)
-        })
-    }
-
-    /// `Ad*_{τ(x)} a`, for an `a` of one of the spaces: `a + ad*_x P(x)ᵀ a` where `τ` is equivariant.
-    pub fn carry<'a>(
-        &self,
-        space: usize,
-        retraction: Retraction,
-        x: &Vector<'a>,
-        a: &Vector<'a>,
-    ) -> Vector<'a> {
-        if !retraction.is_equivariant() {
-            return transposed(a, a.len(), |u| self.transport(space, retraction, x, u));
-        }
-        let mean = self.translation_dual(space, retraction, x, a);
-        a + &self.coadjoint_space(space, x, &mean)
-    }
-
-    /// `Ad*_{τ(x)} a` for each space, with `mean = P(x)ᵀ a`.
+    /// The same with `mean = P(x)ᵀ a`.
     pub fn carry_all<'a>(
         &self,
         retraction: Retraction,
@@ -160,11 +103,11 @@ impl Semidirect {
         a: &[Vector<'a>],
         mean: &[Vector<'a>],
     ) -> Vec<Vector<'a>> {
-        if retraction.is_equivariant() {
-            let change = self.coadjoint_spaces(x, mean);
-            return a.iter().zip(&change).map(|(a, change)| a + change).collect();
+        if !retraction.is_equivariant() {
+            return self.carry(retraction, x, a);
         }
-        a.iter().enumerate().map(|(space, a)| self.carry(space, retraction, x, a)).collect()
+        let change = self.coadjoint_spaces(x, mean);
+        a.iter().zip(&change).map(|(a, change)| a + change).collect()
     }
 
     /// `Ad*_{τ(x, w)} (m, a)`, with `mean = (dR τ_(x,w))* (m, a)`.
@@ -175,13 +118,13 @@ impl Semidirect {
         mu: &SemidirectVector<'a>,
         mean: &SemidirectVector<'a>,
     ) -> SemidirectVector<'a> {
-        let map = match retraction.law() {
+        let map = match retraction.row().law {
             Law::Function(_) => return mu.plus(&self.coadjoint(xi, mean)),
             Law::Composite(map) => map,
         };
-        let translations = xi.spaces.iter().enumerate();
+        let translations = self.acted().zip(&xi.spaces);
         let translations: Vec<_> =
-            translations.map(|(space, w)| self.translation(space, retraction, &xi.base, w)).collect();
+            translations.map(|(space, w)| space.translation(retraction, &xi.base, w)).collect();
         let before = translations.iter().map(|translation| &translation.body_part);
         let m = self.shifted(&mu.base, before, &mu.spaces);
         let m = map.coadjoint(self.group, &xi.base, &m);
@@ -197,8 +140,8 @@ impl Semidirect {
         translations: impl Iterator<Item = &'p Vector<'a>>,
         a: &[Vector<'a>],
     ) -> Vector<'a> {
-        let spaces = self.spaces.iter().zip(translations.zip(a));
-        spaces.fold(m.clone(), |m, (space, (p, a))| &m - &momentum_map(*space, p, a))
+        let spaces = self.acted().zip(translations.zip(a));
+        spaces.fold(m.clone(), |m, (space, (p, a))| &m - &momentum_map(space.space, p, a))
     }
 
     /// The `g*` part of `(dR τ_(x,w))* (m, a)`.
@@ -220,13 +163,13 @@ impl Semidirect {
 
         let mut carried = mu.base.clone();
         let mut by_translation = Vector::zeros(arena, x.len());
-        for ((place, w), a) in w.iter().enumerate().zip(&mu.spaces) {
-            let translation = self.translation(place, retraction, &at, w);
+        for ((space, w), a) in self.acted().zip(w).zip(&mu.spaces) {
+            let translation = space.translation(retraction, &at, w);
             let change = if translation.is_tangent_group {
                 self.group.d_right_dual(retraction, &at, a).derivative_along(&symbols, w)
             } else {
                 let body_part = translation.body_part.substitute(&here);
-                carried = &carried - &self.momentum_map(place, &body_part, a);
+                carried = &carried - &momentum_map(space.space, &body_part, a);
                 gradient(a.dot(&translation.body_part), &symbols)
             };
             by_translation = &by_translation + &change.substitute(&here);
@@ -248,36 +191,71 @@ impl Semidirect {
         }
     }
 
-    /// `J(p, a)` for one of the spaces, with `J(p, a) · y = a · ρ_y p`.
-    pub(super) fn momentum_map<'a>(&self, space: usize, p: &Vector<'a>, a: &Vector<'a>) -> Vector<'a> {
-        momentum_map(self.spaces[space], p, a)
-    }
-
     /// `ad*_(x,w) (m, a)`: the dual of the bracket `[(x, w), (y, u)] = ([x, y], ρ_x u − ρ_y w)`.
     pub fn coadjoint<'a>(
         &self,
         xi: &SemidirectVector<'a>,
         mu: &SemidirectVector<'a>,
     ) -> SemidirectVector<'a> {
-        let mut base = transposed(&mu.base, xi.base.len(), |y| self.group.bracket(&xi.base, y));
-        for ((space, w), a) in self.spaces.iter().zip(&xi.spaces).zip(&mu.spaces) {
-            base = &base - &momentum_map(*space, w, a);
-        }
+        let base = transposed(&mu.base, xi.base.len(), |y| self.group.bracket(&xi.base, y));
+        let base = self.shifted(&base, xi.spaces.iter(), &mu.spaces);
         SemidirectVector { base, spaces: self.coadjoint_spaces(&xi.base, &mu.spaces) }
     }
 
     /// The `V*` part of `ad*_(x,w) (m, a)`, which depends on `x` and `a` alone.
     pub fn coadjoint_spaces<'a>(&self, x: &Vector<'a>, a: &[Vector<'a>]) -> Vec<Vector<'a>> {
-        a.iter().enumerate().map(|(space, a)| self.coadjoint_space(space, x, a)).collect()
-    }
-
-    /// `ad*_x a` for an `a` of one of the spaces: `(ad*_x a) · u = a · ρ_x u`.
-    pub fn coadjoint_space<'a>(&self, space: usize, x: &Vector<'a>, a: &Vector<'a>) -> Vector<'a> {
-        transposed(a, a.len(), |u| self.spaces[space].act_infinitesimally(x, u))
+        self.acted().zip(a).map(|(space, a)| space.coadjoint(x, a)).collect()
     }
 }
 
-/// `J(p, a)` with `J(p, a) · y = a · ρ_y p`
-fn momentum_map<'a>(space: &dyn Representation, p: &Vector<'a>, a: &Vector<'a>) -> Vector<'a> {
+/// A space, and the group that acts on it.
+pub struct Acted {
+    /// `G`
+    pub group: &'static dyn Group,
+    /// `V`
+    pub space: &'static dyn Representation,
+}
+
+impl Acted {
+    /// `P(x) w`
+    pub fn translation<'a>(&self, retraction: Retraction, x: &Vector<'a>, w: &Vector<'a>) -> Translation<'a> {
+        match retraction.row().law {
+            Law::Function(f) => self.space.translation(f, x, w),
+            Law::Composite(map) => map.translation(w),
+        }
+    }
+
+    /// `τ(x) v`
+    pub fn transport<'a>(&self, retraction: Retraction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+        match retraction.row().law {
+            Law::Function(f) => self.space.transport(f, x, v),
+            Law::Composite(map) => map.transport(self.group, self.space, x, v),
+        }
+    }
+
+    /// `P(x)ᵀ a`
+    fn translation_dual<'a>(&self, retraction: Retraction, x: &Vector<'a>, a: &Vector<'a>) -> Vector<'a> {
+        transposed(a, a.len(), |u| {
+            let Translation { body_part, rotated_part, .. } = self.translation(retraction, x, u);
+            &body_part + &self.transport(retraction, x, &rotated_part)
+        })
+    }
+
+    /// `Ad*_{τ(x)} a`: `a + ad*_x P(x)ᵀ a` where `τ` is equivariant.
+    pub fn carry<'a>(&self, retraction: Retraction, x: &Vector<'a>, a: &Vector<'a>) -> Vector<'a> {
+        if !retraction.is_equivariant() {
+            return transposed(a, a.len(), |u| self.transport(retraction, x, u));
+        }
+        a + &self.coadjoint(x, &self.translation_dual(retraction, x, a))
+    }
+
+    /// `ad*_x a`, with `(ad*_x a) · u = a · ρ_x u`.
+    fn coadjoint<'a>(&self, x: &Vector<'a>, a: &Vector<'a>) -> Vector<'a> {
+        transposed(a, a.len(), |u| self.space.act_infinitesimally(x, u))
+    }
+}
+
+/// `J(p, a)`, with `J(p, a) · y = a · ρ_y p`.
+pub(super) fn momentum_map<'a>(space: &dyn Representation, p: &Vector<'a>, a: &Vector<'a>) -> Vector<'a> {
     transposed(a, space.algebra_dimension(), |y| space.act_infinitesimally(y, p))
 }

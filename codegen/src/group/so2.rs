@@ -49,18 +49,18 @@ impl Group for SO2 {
         let x = x.0[0];
         let squared = x * x;
         match f {
-            MatrixFunction::Exponential => Vector(vec![squared.stumpff(0), x * squared.stumpff(1)]),
             MatrixFunction::Cayley => {
                 let shared = shared(x);
                 Vector(vec![shared.scale(2) - 1, x * shared])
             }
+            _ => Vector(vec![squared.stumpff(0), x * squared.stumpff(1)]),
         }
     }
 
     fn closed_d_right_dual<'a>(&self, f: MatrixFunction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
         match f {
-            MatrixFunction::Exponential => m.clone(),
             MatrixFunction::Cayley => m.scale(shared(x.0[0])),
+            _ => m.clone(),
         }
     }
 
@@ -135,10 +135,8 @@ impl Representation for Plane {
         let x = x.0[0];
         let squared = x * x;
         match f {
-            MatrixFunction::Exponential => {
-                Translation::before(complex(squared.stumpff(1), x * squared.stumpff(2), w))
-            }
             MatrixFunction::Cayley => Translation::halves(w),
+            _ => Translation::before(complex(squared.stumpff(1), x * squared.stumpff(2), w)),
         }
     }
 

@@ -1,4 +1,4 @@
-//! SO(3), rotations of space.
+//! Unit quaternions: SO(3), rotations of space, and SU(2), their double cover, as spins see it.
 //!
 //! * Algebra: `so(3) ≅ R³` by `hat(x) y = x × y`; bracket `[x, y] = x × y`; `ad*_x m = m × x`.
 //! * Storage: the unit quaternion `w, x, y, z` of the rotation from body to space; `g' = g (0, ξ)/2`.
@@ -6,16 +6,29 @@
 //!   `exp x = (c₀(z/4), c₁(z/4) x/2)`, `cay x = (1, x/2)/√(1 + z/4)`;
 //!   `dR exp_x = 1 + c₂ x̂ + c₃ x̂²`, `dR cay_x = (1 + x̂/2)/(1 + z/4)`.
 //! * The logarithmic derivatives of both satisfy `(dR τ_x)ᵀ = dR τ_{−x}`.
+//!
+//! On SU(2) `x` stands for the pure quaternion `x/2`, which is `−i x·σ/2`, and `q` and `−q` are different elements. Its
+//! Cayley map is that of the quaternions, not of the rotation matrices: with `a = x/4`,
+//! `cay x = (1 − a)⁻¹(1 + a) = (1 − |a|², 2a)/(1 + |a|²)`, and
+//! `dR cay_x y = ((1 − |a|²) y + 2 a × y + 2 (a·y) a)/(1 + |a|²)²`.
 
 use super::{
-    Component, ComponentValue, EquationNames, Equations, Group, GroupNames, MatrixFunction, Moved,
-    Representation, Retraction, Side, SpaceNames, Translation,
+    Basis, Component, ComponentValue, EquationNames, Equations, Group, GroupNames, MatrixFunction, Moved,
+    Representation, Retraction, Side, SpaceNames, Translation, families,
 };
 use crate::expr::{Expr, Number, Vector};
 use crate::quantity::Kind;
 
-/// Rotations of space.
-pub struct SO3;
+/// Groups of unit quaternions.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum UnitQuaternions {
+    /// Rotations of space.
+    SO3,
+    /// Unit quaternions themselves.
+    SU2,
+}
+
+pub use UnitQuaternions::{SO3, SU2};
 
 /// `v + a x × v + b x × (x × v)`, that is, `(1 + a x̂ + b x̂²) v`
 fn rotation_like<'a>(x: &Vector<'a>, v: &Vector<'a>, a: Expr<'a>, b: Expr<'a>) -> Vector<'a> {
@@ -45,9 +58,19 @@ fn cayley_root<'a>(x: &Vector<'a>) -> Expr<'a> {
     cayley_factor(x) * cayley_norm(x).sqrt()
 }
 
-impl Group for SO3 {
+/// `a = x/4` and `|a|²`
+fn quarter<'a>(x: &Vector<'a>) -> (Vector<'a>, Expr<'a>) {
+    let a = x.scale(x.0[0].arena().number(Number::ratio(1, 4)));
+    let squared = x.squared_norm().scale(Number::ratio(1, 16));
+    (a, squared)
+}
+
+impl Group for UnitQuaternions {
     fn names(&self) -> &GroupNames {
-        &NAMES
+        match self {
+            SO3 => &ROTATIONS,
+            SU2 => &SPINS,
+        }
     }
 
     fn equations(&self, names: &EquationNames<'_>) -> Equations {
@@ -61,7 +84,11 @@ impl Group for SO3 {
     }
 
     fn unknown_scale(&self, retraction: Retraction) -> i128 {
-        if retraction == Retraction::Cayley { 2 } else { 1 }
+        match (self, retraction) {
+            (SO3, Retraction::Cayley) => 2,
+            (SU2, Retraction::Cayley) => 4,
+            _ => 1,
+        }
     }
 
     fn bracket<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
@@ -69,14 +96,20 @@ impl Group for SO3 {
     }
 
     fn closed_form<'a>(&self, f: MatrixFunction, x: &Vector<'a>) -> Vector<'a> {
-        let (w, half) = match f {
-            MatrixFunction::Exponential => {
+        let (w, half) = match (self, f) {
+            (_, MatrixFunction::Exponential | MatrixFunction::Coarse) => {
                 let quarter = x.squared_norm().scale(Number::ratio(1, 4));
                 (quarter.stumpff(0), quarter.stumpff(1) / 2)
             }
-            MatrixFunction::Cayley => {
+            (SO3, MatrixFunction::Cayley) => {
                 let w = cayley_root(x);
                 (w, w / 2)
+            }
+            (SU2, MatrixFunction::Cayley) => {
+                let (a, squared) = quarter(x);
+                let shared = (squared + 1).recip();
+                let w = shared.scale(2) - 1;
+                return Vector([vec![w], a.scale(shared.scale(2)).0].concat());
             }
         };
         let mut quaternion = vec![w];
@@ -86,22 +119,28 @@ impl Group for SO3 {
 
     fn closed_d_right_dual<'a>(&self, f: MatrixFunction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
         let z = x.squared_norm();
-        match f {
-            MatrixFunction::Exponential => rotation_like(x, m, -z.stumpff(2), z.stumpff(3)),
-            MatrixFunction::Cayley => {
+        match (self, f) {
+            // the transpose has `−a` in the place of `a`
+            (SU2, MatrixFunction::Cayley) => {
+                let (a, squared) = quarter(x);
+                let two = squared.arena().number(2);
+                let shared = (squared + 1).recip();
+                let rotated = &m.scale(-squared + 1) - &a.cross(m).scale(two);
+                (&rotated + &a.scale(a.dot(m).scale(2))).scale(shared * shared)
+            }
+            (SO3, MatrixFunction::Cayley) => {
                 let half = z.arena().number(Number::ratio(1, 2));
                 (m - &x.cross(m).scale(half)).scale(twice_cayley_factor(x) / 2)
             }
+            _ => rotation_like(x, m, -z.stumpff(2), z.stumpff(3)),
         }
     }
 
     fn closed_domain<'a>(&self, f: MatrixFunction, x: &Vector<'a>) -> Vec<Expr<'a>> {
         match f {
-            // dR exp is singular where |x| = 2π
-            MatrixFunction::Exponential => {
-                vec![x.0[0].arena().number(Number::FOUR_PI_SQUARED) - x.squared_norm()]
-            }
             MatrixFunction::Cayley => Vec::new(),
+            // dR exp is singular where |x| = 2π
+            _ => vec![x.0[0].arena().number(Number::FOUR_PI_SQUARED) - x.squared_norm()],
         }
     }
 
@@ -127,9 +166,14 @@ impl Group for SO3 {
         g - &g.scale(correction)
     }
 
-    /// For Cayley the product with `(1, x/2)`, whose length `√(1 + z/4)` comes off together with what rounding did to
+    /// For Cayley on SO(3) the product with `(1, x/2)`, whose length `√(1 + z/4)` comes off together with what rounding did to
     /// the product's: the root need not be waited for, nor for the product, whose length is that of `g` up to rounding.
     fn moved<'a>(&self, side: Side, retraction: Retraction, g: &Vector<'a>, x: &Vector<'a>) -> Moved<'a> {
+        if *self == SU2 {
+            let increment = self.retract(retraction, x).hold();
+            let moved = side.compose(self, g, &increment).hold();
+            return Moved { next: self.normalize(&moved), increment, moved };
+        }
         let one = x.0[0].arena().one();
         let (increment, inverse_length) = if retraction == Retraction::Cayley {
             let half = x.scale(one / 2);
@@ -149,13 +193,34 @@ impl Group for SO3 {
         turned(g, m)
     }
 
+    /// None of SU(2): the Cayley map of the quaternions rotates space otherwise than that of the rotation matrices does.
     fn representations(&self) -> &[&'static dyn Representation] {
-        &[&Space(3)]
+        match self {
+            SO3 => &[&Space(3)],
+            SU2 => &[],
+        }
+    }
+
+    fn act<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Option<Vector<'a>> {
+        (v.len() == 3).then(|| turned(g, v))
+    }
+
+    /// Of SU(2) as `x/2` multiplies quaternions from the left: the axes of the family of this name are others, and of
+    /// another length.
+    fn basis(&self) -> Option<Basis> {
+        match self {
+            SO3 => families::basis(self.name()),
+            SU2 => Basis::of_action(self.axes(), self.coordinates().len(), |x, q| {
+                let mut pure = vec![x.0[0].arena().zero()];
+                pure.extend(x.iter().map(|component| component / 2));
+                self.compose(&Vector(pure), q)
+            }),
+        }
     }
 }
 
 /// A quaternion from body to space coordinates.
-pub(super) const NAMES: GroupNames = GroupNames {
+const ROTATIONS: GroupNames = GroupNames {
     name: "SO3",
     conventions: "attitude: unit quaternion from body to space coordinates; momentum and velocity: body coordinates",
     configuration: "attitude",
@@ -166,6 +231,13 @@ pub(super) const NAMES: GroupNames = GroupNames {
     blocks: &[],
     parts: &[],
     components: COMPONENTS,
+};
+
+const SPINS: GroupNames = GroupNames {
+    name: "SU2",
+    conventions: "spin: unit quaternion, not identified with its negative; momentum and velocity: body coordinates",
+    configuration: "spin",
+    ..ROTATIONS
 };
 
 /// The components of a quaternion.
@@ -206,7 +278,7 @@ impl Representation for Space {
         let x = x.part(0..3);
         let z = x.squared_norm();
         match f {
-            MatrixFunction::Exponential => {
+            MatrixFunction::Exponential | MatrixFunction::Coarse => {
                 let before = Translation::before(rotation_like(&x, w, z.stumpff(2), z.stumpff(3)));
                 Translation { is_tangent_group: self.0 == 3, ..before }
             }
@@ -219,11 +291,11 @@ impl Representation for Space {
         let x = x.part(0..3);
         let z = x.squared_norm();
         match f {
-            MatrixFunction::Exponential => rotation_like(&x, v, z.stumpff(1), z.stumpff(2)),
             MatrixFunction::Cayley => {
                 let factor = cayley_factor(&x);
                 rotation_like(&x, v, factor, factor / 2)
             }
+            _ => rotation_like(&x, v, z.stumpff(1), z.stumpff(2)),
         }
     }
 }

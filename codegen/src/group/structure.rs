@@ -9,7 +9,8 @@ use super::representation::{matrices_of, matrices_of_action};
 /// `[E_i, E_j] = Σ_k c_ij^k E_k`, exact.
 #[derive(Clone, Debug)]
 pub struct Structure {
-    dimension: usize,
+    /// The dimension of the algebra.
+    pub dimension: usize,
     /// For `i` and `j` the `k` with the constants that are not zero, at `i · dimension + j`.
     constants: Vec<Vec<(usize, Ratio<i64>)>>,
 }
@@ -51,11 +52,6 @@ impl Structure {
 
     fn add(&mut self, i: usize, j: usize, k: usize, constant: Ratio<i64>) {
         self.constants[i * self.dimension + j].push((k, constant));
-    }
-
-    /// The dimension of the algebra.
-    pub fn dimension(&self) -> usize {
-        self.dimension
     }
 
     /// The `k` with the `c_ij^k` that are not zero.

@@ -18,7 +18,7 @@ impl Dag<'_> {
         for op in self.ops() {
             index.count(op, self.operation(op), &|_| true);
         }
-        while let Some(pair) = index.most_frequent() {
+        while let Some(&(_, std::cmp::Reverse(pair))) = index.candidates.last() {
             let before = self.ops().len();
             let shared = self.intern(pair.operation());
             if self.ops().len() > before {
@@ -71,10 +71,6 @@ impl PairIndex {
         if holders.len() >= 2 && holders.values().any(|&long| long) {
             self.candidates.insert((holders.len(), std::cmp::Reverse(pair)));
         }
-    }
-
-    fn most_frequent(&self) -> Option<Pair> {
-        self.candidates.last().map(|&(_, std::cmp::Reverse(pair))| pair)
     }
 
     fn holders(&self, pair: &Pair) -> Vec<Op> {

@@ -3,10 +3,13 @@
 
 use crate::program::Term;
 
-/// The term with sums that begin with an addend that is not subtracted, and products added as they are formed.
-/// `associate`: sums within sums are added together.
-pub(super) fn reassociated(term: Term, associate: bool) -> Term {
-    contracted(signed(term, associate))
+/// The most addends in one line.
+const LONGEST_SUM: usize = 8;
+
+/// The term with sums that begin with an addend that is not subtracted, and products added as they are formed; `part`
+/// takes the beginnings of long sums into lines of their own. `associate`: sums within sums are added together.
+pub(super) fn reassociated(term: Term, associate: bool, part: &mut impl FnMut(Term) -> Term) -> Term {
+    in_lines(signed(term, associate), part)
 }
 
 /// Sums whose first addend is not subtracted.
@@ -78,29 +81,57 @@ fn balanced(addends: Vec<(bool, Term)>) -> Vec<(bool, Term)> {
 
 /// Products that are added in one operation to what stands before them.
 fn contracted(term: Term) -> Term {
-    let addends = match term.map(contracted) {
-        Term::Sum(addends) => addends,
-        term => return term,
-    };
-    let mut addends = addends.into_iter();
+    match term {
+        Term::Sum(addends) => added(addends, &mut |sum| sum),
+        term => term.map(contracted),
+    }
+}
+
+/// The same of a whole line: a sum that begins with a sum is one with it, and `part` makes something shorter of the
+/// beginning of a long one.
+fn in_lines(term: Term, part: &mut impl FnMut(Term) -> Term) -> Term {
+    match term {
+        Term::Negative(x) => Term::Negative(Box::new(in_lines(*x, part))),
+        Term::Sum(mut addends) => {
+            while let Term::Sum(_) = addends[0].1
+                && let (negative, Term::Sum(first)) = addends.remove(0)
+            {
+                debug_assert!(!negative, "the first addend is not subtracted");
+                addends.splice(0..0, first);
+            }
+            added(addends, part)
+        }
+        term => contracted(term),
+    }
+}
+
+/// The sum from left to right, each product added as it is formed.
+fn added(addends: Vec<(bool, Term)>, part: &mut impl FnMut(Term) -> Term) -> Term {
+    let mut addends = addends.into_iter().map(|(negative, addend)| (negative, contracted(addend)));
     let Some((_, first)) = addends.next() else { return Term::Number(0.into()) };
     // whether the sum so far is one of this fold's, which goes on
     let mut open = false;
-    addends.fold(first, |sum, (negative, addend)| match (addend, sum) {
-        (Term::Product(mut factors), sum) if factors.len() > 1 => {
+    addends.enumerate().fold(first, |mut sum, (place, (negative, addend))| {
+        if place > 0 && place % LONGEST_SUM == 0 {
+            sum = part(sum);
             open = false;
-            let last = factors.pop().unwrap_or_else(|| Term::Number(1.into()));
-            let others = if factors.len() == 1 { factors.remove(0) } else { Term::Product(factors) };
-            let (a, b, addend) = (Box::new(others), Box::new(last), Box::new(sum));
-            Term::MulAdd { negative, a, b, addend }
         }
-        (addend, Term::Sum(mut addends)) if open => {
-            addends.push((negative, addend));
-            Term::Sum(addends)
-        }
-        (addend, sum) => {
-            open = true;
-            Term::Sum(vec![(false, sum), (negative, addend)])
+        match (addend, sum) {
+            (Term::Product(mut factors), sum) if factors.len() > 1 => {
+                open = false;
+                let last = factors.pop().unwrap_or_else(|| Term::Number(1.into()));
+                let others = if factors.len() == 1 { factors.remove(0) } else { Term::Product(factors) };
+                let (a, b, addend) = (Box::new(others), Box::new(last), Box::new(sum));
+                Term::MulAdd { negative, a, b, addend }
+            }
+            (addend, Term::Sum(mut addends)) if open => {
+                addends.push((negative, addend));
+                Term::Sum(addends)
+            }
+            (addend, sum) => {
+                open = true;
+                Term::Sum(vec![(false, sum), (negative, addend)])
+            }
         }
     })
 }

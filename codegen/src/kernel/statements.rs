@@ -12,9 +12,6 @@ use crate::program::{RecordKind, Statement, Term, Value};
 /// Trees of more operations than this are cut by a named value: longer lines cannot be read.
 const LARGEST_TERM: usize = 12;
 
-/// The most addends in one line.
-const LONGEST_SUM: usize = 8;
-
 /// Writes one function.
 pub(super) struct Writer<'l, 'a> {
     dag: &'l Dag<'a>,
@@ -76,7 +73,7 @@ impl<'l, 'a> Writer<'l, 'a> {
     fn lines(mut self, results: Vec<Vec<Term>>, associate: bool) -> Body {
         let mut statements = Vec::new();
         for statement in std::mem::take(&mut self.statements) {
-            let mut last = |term| self.cut(reassociated(term, associate), &mut statements);
+            let mut last = |term| self.line(term, associate, &mut statements);
             let statement = match statement {
                 Statement::Let { value, term } => Statement::Let { value, term: last(term) },
                 Statement::Stumpff { values, argument } => {
@@ -85,36 +82,19 @@ impl<'l, 'a> Writer<'l, 'a> {
             };
             statements.push(statement);
         }
-        let mut last = |term| self.cut(reassociated(term, associate), &mut statements);
+        let mut last = |term| self.line(term, associate, &mut statements);
         let results = results.into_iter().map(|array| array.into_iter().map(&mut last).collect());
         let results = results.collect();
         (statements, results)
     }
 
-    /// Cuts the beginning of a long sum into lines of its own.
-    fn cut(&mut self, term: Term, statements: &mut Vec<Statement>) -> Term {
-        if let Term::Negative(x) = term {
-            return Term::Negative(Box::new(self.cut(*x, statements)));
-        }
-        let (mut sum, addends) = addends(term);
-        for (place, addend) in addends.into_iter().enumerate() {
-            if place > 0 && place % LONGEST_SUM == 0 {
-                let value = self.names.part(&mut self.locals);
-                statements.push(Statement::Let { value, term: sum });
-                sum = Term::Value(value);
-            }
-            sum = match (addend, sum) {
-                (Addend::Product { negative, a, b }, sum) => {
-                    Term::MulAdd { negative, a, b, addend: Box::new(sum) }
-                }
-                (Addend::Other(negative, term), Term::Sum(mut addends)) if place % LONGEST_SUM > 0 => {
-                    addends.push((negative, term));
-                    Term::Sum(addends)
-                }
-                (Addend::Other(negative, term), sum) => Term::Sum(vec![(false, sum), (negative, term)]),
-            };
-        }
-        sum
+    /// A term in its last order, after lines for the beginnings of long sums.
+    fn line(&mut self, term: Term, associate: bool, statements: &mut Vec<Statement>) -> Term {
+        reassociated(term, associate, &mut |sum| {
+            let value = self.names.part(&mut self.locals);
+            statements.push(Statement::Let { value, term: sum });
+            Term::Value(value)
+        })
     }
 
     fn count_uses(&mut self, roots: Vec<Op>) {
@@ -284,38 +264,5 @@ fn product(mut factors: Vec<Term>) -> Option<Term> {
         0 => None,
         1 => factors.pop(),
         _ => Some(Term::Product(factors)),
-    }
-}
-
-/// An addend.
-enum Addend {
-    /// In one operation with the multiplication.
-    Product { negative: bool, a: Box<Term>, b: Box<Term> },
-    /// Anything else, or its negative.
-    Other(bool, Term),
-}
-
-/// Splits a sum into its beginning and the addends, from left to right.
-fn addends(term: Term) -> (Term, Vec<Addend>) {
-    let (mut addends, mut start) = (Vec::new(), term);
-    loop {
-        start = match start {
-            Term::MulAdd { negative, a, b, addend } => {
-                addends.push(Addend::Product { negative, a, b });
-                *addend
-            }
-            Term::Sum(mut terms) if terms.len() > 1 => {
-                let others = terms.split_off(1).into_iter().rev();
-                addends.extend(others.map(|(negative, term)| Addend::Other(negative, term)));
-                match terms.pop() {
-                    Some((false, first)) => first,
-                    _ => Term::Number(0.into()),
-                }
-            }
-            start => {
-                addends.reverse();
-                return (start, addends);
-            }
-        };
     }
 }

@@ -220,7 +220,7 @@ impl<'a> Lowering<'a, '_> {
             let message = "the only macros with a symbolic meaning are `vector!` and `matrix!`";
             return self.fail(&call.path, message);
         }
-        let Rows(rows) = self.parsed(Rows::parse, &call.tokens)?;
+        let Rows(rows) = call.parse_body().map_err(|error| self.diagnostics.absorb(error)).ok()?;
         let columns = rows.first().map_or(0, Punctuated::len);
         if columns == 0 {
             return self.fail(&call.path, format!("this `{name}!` is empty"));

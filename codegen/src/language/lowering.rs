@@ -1,6 +1,5 @@
 //! The walk over an expression: one case for each construct of Rust.
 
-use proc_macro2::TokenStream;
 use quote::ToTokens;
 use syn::ext::IdentExt;
 use syn::{Expr, ExprPath, UnOp};
@@ -173,15 +172,6 @@ impl<'a, 's> Lowering<'a, 's> {
              everywhere"
         );
         self.fail(tokens, message)
-    }
-
-    /// Parses tokens inside a macro call.
-    pub(super) fn parsed<T>(
-        &mut self,
-        parser: impl syn::parse::Parser<Output = T>,
-        tokens: &TokenStream,
-    ) -> Option<T> {
-        parser.parse2(tokens.clone()).map_err(|error| self.diagnostics.absorb(error)).ok()
     }
 }
 

@@ -1,7 +1,7 @@
 //! `+ - * /` and the sign, typed as Rust and nalgebra type them.
 
 use quote::ToTokens;
-use syn::{BinOp, Expr, ExprBinary, Ident};
+use syn::{BinOp, Expr, ExprBinary};
 
 use super::lowering::Lowering;
 use super::value::Value;
@@ -9,7 +9,7 @@ use crate::expr::Expr as Symbolic;
 
 /// An operation that has a symbolic meaning.
 #[derive(Clone, Copy, PartialEq)]
-enum Operation {
+pub(super) enum Operation {
     Add,
     Subtract,
     Multiply,
@@ -96,12 +96,8 @@ impl<'a> Lowering<'a, '_> {
         }
     }
 
-    /// A sum; the method is what asks for it.
-    pub(super) fn added(&mut self, left: Value<'a>, right: Value<'a>, method: &Ident) -> Option<Value<'a>> {
-        self.operate(Operation::Add, left, right, method)
-    }
-
-    fn operate(
+    /// What an operator, or a method in its place, makes of its operands.
+    pub(super) fn operate(
         &mut self,
         operation: Operation,
         left: Value<'a>,

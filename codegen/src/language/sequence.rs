@@ -6,6 +6,7 @@ use syn::{
 };
 
 use super::lowering::Lowering;
+use super::operators::Operation;
 use super::value::Value;
 use crate::diagnostics::suggestion;
 use crate::expr::{Matrix, Vector};
@@ -156,7 +157,7 @@ impl<'a> Lowering<'a, '_> {
         }
         let mut sum = first.clone();
         for value in rest {
-            sum = self.added(sum, value.clone(), method)?;
+            sum = self.operate(Operation::Add, sum, value.clone(), method)?;
             sum = self.checked(sum, method)?;
         }
         Some(sum)

@@ -1,6 +1,7 @@
 //! The discretization map that steps are lifts of: `D(ḡ, v) = (ḡ τ(−sv), ḡ τ((1−s)v))`, from an intermediate point `ḡ`
 //! to both ends of a step.
 
+use super::names::ValueNames;
 use super::presolve::{Equation, Presolved};
 use super::step::{Increment, Step, step_symbol};
 use crate::expr::{Arena, Expr, Number, Stage, Symbol, Vector};
@@ -8,9 +9,10 @@ use crate::group::Retraction;
 use crate::model::{Parts, Slot, System};
 use crate::scheme::Member;
 
-/// A discretization map and the step that it is taken with.
-#[derive(Clone, Copy)]
-pub(super) struct Discretization<'a> {
+/// A discretization map for a system, and the step that it is taken with.
+pub(super) struct Discretization<'s, 'a> {
+    pub system: &'s System<'a>,
+    pub names: ValueNames<'s, 'a>,
     /// The retractions that move configurations.
     pub moving: Halves,
     /// What carries momenta and advected parameters where configurations are moved so.
@@ -65,13 +67,20 @@ pub(super) struct Path<'a> {
     pub y: Vector<'a>,
 }
 
-impl<'a> Discretization<'a> {
+impl<'s, 'a> Discretization<'s, 'a> {
     /// The map with this `s` for a system.
-    pub(super) fn new(arena: &'a Arena, system: &System<'a>, retraction: Retraction, member: Member) -> Self {
+    pub(super) fn new(
+        arena: &'a Arena,
+        system: &'s System<'a>,
+        retraction: Retraction,
+        member: Member,
+    ) -> Self {
         let s = member.s();
         let moving = Halves { before: retraction.reversed(), behind: retraction };
         let Halves { before, behind } = moving;
         Self {
+            system,
+            names: ValueNames::new(system, retraction),
             moving,
             carrying: Halves { before: system.side.carrying(before), behind: system.side.carrying(behind) },
             step: step_symbol(arena),
@@ -80,14 +89,32 @@ impl<'a> Discretization<'a> {
         }
     }
 
+    /// `unknown = right`, in the system's order.
+    pub(super) fn explicit(
+        &self,
+        unknown: &Vector<'a>,
+        right: Vector<'a>,
+        start: Vector<'a>,
+    ) -> Equation<'a> {
+        Equation {
+            unknown: unknown.clone(),
+            blocks: self.system.group.blocks(),
+            left: unknown.clone(),
+            solved: Some(right.clone()),
+            right,
+            start,
+            names: self.names.unknown(),
+        }
+    }
+
     /// The step from what is left of its equations, the way of the configuration, and the state after it.
     pub(super) fn lifted(
         &self,
-        system: &System<'a>,
         Presolved { equations, found }: Presolved<'a>,
         path: &Path<'a>,
         next: &Parts<'a>,
     ) -> Step<'a> {
+        let system = self.system;
         let start = system.configuration();
         // to the intermediate point and on; where `s` is 0 or 1 at once
         let increments =

@@ -38,7 +38,7 @@
 //! * Where the right side does not depend on the unknown, the step is explicit.
 
 use super::discretization::{Discretization, Path, Values, bind, values};
-use super::names::{ValueNames, symbols};
+use super::names::symbols;
 use super::presolve::{Equation, presolve};
 use super::step::Step;
 use crate::expr::{Arena, Vector, gradient, uncoupled};
@@ -60,11 +60,7 @@ pub const METHOD: Method = Method {
 };
 
 /// A member of the family for a system.
-struct Family<'s, 'a> {
-    system: &'s System<'a>,
-    map: Discretization<'a>,
-    names: ValueNames<'s, 'a>,
-}
+struct Family<'s, 'a>(Discretization<'s, 'a>);
 
 /// The motion before the energy is known at the intermediate point: functions of `y` alone.
 struct Motion<'a> {
@@ -100,23 +96,21 @@ struct Update<'a> {
 
 /// The step of a member of the family.
 pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, member: Member) -> Step<'a> {
-    let map = Discretization::new(arena, system, retraction, member);
-    let family = Family { system, map, names: ValueNames::new(system, retraction) };
-
+    let family = Family(Discretization::new(arena, system, retraction, member));
     let motion = family.motion();
     let intermediate = family.intermediate(&motion);
     let update = family.update(&motion, &intermediate);
     let presolved = presolve(family.equations(&motion, &update, &intermediate));
     let path = Path { middle: motion.g_bar, y: motion.y };
-    map.lifted(system, presolved, &path, &update.next)
+    family.0.lifted(presolved, &path, &update.next)
 }
 
 impl<'a> Family<'_, 'a> {
     fn motion(&self) -> Motion<'a> {
-        let Self { system, names, map: Discretization { moving, carrying, early, late, .. }, .. } = self;
+        let Discretization { system, names, moving, carrying, early, late, .. } = &self.0;
         let (arena, group) = (early.arena(), &system.group);
         let (x, mean) = (symbols(arena, names.unknown()), symbols(arena, names.components("mu")));
-        let y = self.names.times_scale(&x);
+        let y = self.0.names.times_scale(&x);
         let (y_early, y_late) = (y.scale(*early), y.scale(*late));
 
         let sign = arena.number(system.side.sign());
@@ -136,7 +130,7 @@ impl<'a> Family<'_, 'a> {
 
     /// Everything that the energy and the forces are functions of.
     fn intermediate(&self, motion: &Motion<'a>) -> Intermediate<'a> {
-        let Self { system, map: Discretization { step, early, .. }, .. } = *self;
+        let Discretization { system, step, early, .. } = self.0;
         let velocity = motion.y.scale(step.recip());
         let later = step * early;
 
@@ -154,7 +148,7 @@ impl<'a> Family<'_, 'a> {
 
     /// `m̄`, `m_{k+1}` and `g_{k+1}`.
     fn update(&self, motion: &Motion<'a>, intermediate: &Intermediate<'a>) -> Update<'a> {
-        let Self { system, names, map: Discretization { moving, carrying, early, late, .. }, .. } = self;
+        let Discretization { system, names, moving, carrying, early, late, .. } = &self.0;
         let (group, arena) = (&system.group, early.arena());
         let w = self.advected_velocity(intermediate);
         let kick = self.kick(intermediate);
@@ -163,7 +157,7 @@ impl<'a> Family<'_, 'a> {
         let eta = eta.scale(arena.number(system.side.sign()));
         let (eta_early, eta_late) = (eta.scale(*early), eta.scale(*late));
         let m = system.momentum_and_advected();
-        let mean_minus = self.names.keep_multiple(&group.d_right_dual(carrying.before, &eta_early, &m));
+        let mean_minus = self.0.names.keep_multiple(&group.d_right_dual(carrying.before, &eta_early, &m));
         let m_minus = group.carry_momentum(carrying.before, &eta_early, &m, &mean_minus);
         let m_plus = match kick {
             Some(kick) => {
@@ -171,9 +165,9 @@ impl<'a> Family<'_, 'a> {
             }
             None => m_minus,
         };
-        let mean_plus = self.names.keep_multiple(&group.d_right_dual(carrying.behind, &eta_late, &m_plus));
+        let mean_plus = self.0.names.keep_multiple(&group.d_right_dual(carrying.behind, &eta_late, &m_plus));
         let m_bar = mean_plus.scale(*late).plus(&mean_minus.scale(*early));
-        let scaled_mean = self.names.times_scale(&m_bar.base).hold();
+        let scaled_mean = self.0.names.times_scale(&m_bar.base).hold();
         let m_next = group.carry_momentum(carrying.behind, &eta_late, &m_plus, &mean_plus);
 
         // two increments, one of which is none where s is 0 or 1: only the exponential has τ(sη) τ((1−s)η) = τ(η)
@@ -192,26 +186,26 @@ impl<'a> Family<'_, 'a> {
 
     /// `w = t ∂h/∂a`, the advected part of `η`.
     fn advected_velocity(&self, there: &Intermediate<'a>) -> Vec<Vector<'a>> {
-        let energy = self.system.potential();
-        let w = self.system.advected().map(|a| {
+        let energy = self.0.system.potential();
+        let w = self.0.system.advected().map(|a| {
             let gradient = gradient(energy, &a.value.symbols());
-            gradient.substitute(&there.values).scale(self.map.step)
+            gradient.substitute(&there.values).scale(self.0.step)
         });
         let w: Vec<_> = w.collect();
-        self.names.advected("kick", &w);
+        self.0.names.advected("kick", &w);
         w
     }
 
     /// `−t T*L_ḡ ∂h/∂g + t F`, if anything but the bracket changes the momentum.
     fn kick(&self, there: &Intermediate<'a>) -> Option<Vector<'a>> {
-        let kick = self.system.kick()?;
-        let kick = kick.substitute(&there.values).scale(self.map.step).hold();
-        Some(self.names.algebra("kick", &kick))
+        let kick = self.0.system.kick()?;
+        let kick = kick.substitute(&there.values).scale(self.0.step).hold();
+        Some(self.0.names.algebra("kick", &kick))
     }
 
     /// `m⁺` from `m⁻`; what nothing kicks stays as it is.
     fn kicked(&self, momentum: &Vector<'a>, kick: &Vector<'a>) -> Vector<'a> {
-        let (system, names) = (self.system, self.names.components("momentum_kicked"));
+        let (system, names) = (self.0.system, self.0.names.components("momentum_kicked"));
         let mut kicked = momentum.clone();
         for (factor, place) in system.factors.iter().zip(system.group.places()) {
             for row in place.algebra.filter(|_| system.is_kicked(factor)) {
@@ -228,19 +222,18 @@ impl<'a> Family<'_, 'a> {
         update: &Update<'a>,
         intermediate: &Intermediate<'a>,
     ) -> Vec<Equation<'a>> {
-        let Self { system, names, .. } = self;
+        let Discretization { system, names, .. } = &self.0;
         match &system.energy {
             Energy::Hamiltonian(energy) => {
                 let alone: Vec<Vec<usize>> = (0..system.factors.len()).map(|factor| vec![factor]).collect();
                 let velocity = gradient(*energy, &system.momentum().symbols());
-                let velocity = velocity.substitute(&intermediate.values).scale(self.map.step);
+                let velocity = velocity.substitute(&intermediate.values).scale(self.0.step);
                 // `μ̄ = …`, which is an unknown too, and `y = t ∂h/∂μ`
-                let mean = self.names.per_scale(&update.scaled_mean);
-                let mean = self.explicit(&motion.mean, mean, system.momentum());
+                let mean = self.0.names.per_scale(&update.scaled_mean);
+                let mean = self.0.explicit(&motion.mean, mean, system.momentum());
                 let mean = Equation { names: names.components("mu"), ..mean };
-                let velocity = self.names.per_scale(&velocity);
-                let velocity = self.explicit(&motion.x, velocity, self.names.per_scale(&self.start()));
-                let velocity = Equation { names: names.unknown(), ..velocity };
+                let velocity = self.0.names.per_scale(&velocity);
+                let velocity = self.0.explicit(&motion.x, velocity, self.0.names.per_scale(&self.start()));
                 [mean, velocity].iter().flat_map(|equation| equation.apart(&system.group, &alone)).collect()
             }
             _ => {
@@ -253,19 +246,6 @@ impl<'a> Family<'_, 'a> {
         }
     }
 
-    /// `unknown = right`
-    fn explicit(&self, unknown: &Vector<'a>, right: Vector<'a>, start: Vector<'a>) -> Equation<'a> {
-        Equation {
-            unknown: unknown.clone(),
-            blocks: self.system.group.blocks(),
-            left: unknown.clone(),
-            solved: Some(right.clone()),
-            right,
-            start,
-            names: Vec::new(),
-        }
-    }
-
     /// `𝕀 y / t = μ̄`, or `∂l/∂ξ(y/t) = μ̄`, both sides times the unknown's scale.
     fn momentum_equation(
         &self,
@@ -274,29 +254,25 @@ impl<'a> Family<'_, 'a> {
         intermediate: &Intermediate<'a>,
     ) -> Equation<'a> {
         let right = update.scaled_mean.clone();
-        let solved = match &self.system.energy {
+        let solved = match &self.0.system.energy {
             Energy::Mechanical { inertia, .. } => {
-                Some(inertia.solve_symmetric(&self.names.per_scale(&right)).scale(self.map.step))
+                Some(inertia.solve_symmetric(&self.0.names.per_scale(&right)).scale(self.0.step))
             }
             _ => None,
         };
         Equation {
-            unknown: motion.x.clone(),
-            blocks: self.system.group.blocks(),
-            left: self.names.times_scale(&intermediate.momentum),
-            solved: solved.map(|solved| self.names.per_scale(&solved)),
-            right,
-            start: self.names.per_scale(&self.start()),
-            names: self.names.unknown(),
+            left: self.0.names.times_scale(&intermediate.momentum),
+            solved: solved.map(|solved| self.0.names.per_scale(&solved)),
+            ..self.0.explicit(&motion.x, right, self.0.names.per_scale(&self.start()))
         }
     }
 
     /// A first approximation of `y`: `t ξ_k`, or rest where no closed form gives the velocity.
     fn start(&self) -> Vector<'a> {
-        match self.system.velocity_relation() {
-            Relation::Explicit(velocity) => velocity.scale(self.map.step),
+        match self.0.system.velocity_relation() {
+            Relation::Explicit(velocity) => velocity.scale(self.0.step),
             Relation::Implicit(_) | Relation::Singular => {
-                Vector::zeros(self.map.step.arena(), self.system.dimension())
+                Vector::zeros(self.0.step.arena(), self.0.system.dimension())
             }
         }
     }
@@ -319,7 +295,7 @@ fn coupled_factors(system: &System<'_>) -> Vec<Vec<usize>> {
             };
             momenta.enumerate().map(with).collect()
         }
-        _ => system.inertias.iter().flat_map(|field| field.blocks.clone()).collect(),
+        _ => system.inertias.iter().flat_map(|field| field.described.blocks.clone()).collect(),
     };
     uncoupled(system.factors.len(), |i, j| coupled.iter().any(|set| set.contains(&i) && set.contains(&j)))
 }

@@ -53,9 +53,10 @@ impl Scheme {
     pub fn step<'a>(self, arena: &'a Arena, system: &System<'a>) -> Step<'a> {
         let Rule { method, member } = self.rule;
         let (_, step_of) = METHODS.into_iter().find(|(known, _)| *known == method).unwrap_or(METHODS[0]);
-        let step = |system: &System<'a>| step_of(arena, system, self.retraction, member);
-        let mut whole = step(system);
-        if let Some(coarse) = system.coarse().map(|system| step(&system)) {
+        let step = |retraction| step_of(arena, system, retraction, member);
+        let mut whole = step(self.retraction);
+        if system.group.is_summed(self.retraction) {
+            let coarse = step(Retraction::Coarse);
             // of the same equations, with symbols of their own
             let symbols = coarse.unknown.symbols().into_iter().chain(coarse.h.as_symbol());
             let same: Vec<_> = symbols.zip(whole.unknown.iter().chain([whole.h])).collect();

@@ -18,7 +18,7 @@
 //! was reported, the step makes no sense.
 
 use super::discretization::{Discretization, Path, Values, bind, values};
-use super::names::{ValueNames, symbols};
+use super::names::symbols;
 use super::presolve::{Equation, presolve};
 use super::step::Step;
 use crate::expr::{Arena, Derivative, Expr, Vector, gradient};
@@ -36,11 +36,7 @@ pub const METHOD: Method = Method {
 };
 
 /// A tangent lift of a system.
-struct Lift<'s, 'a> {
-    system: &'s System<'a>,
-    map: Discretization<'a>,
-    names: ValueNames<'s, 'a>,
-}
+struct Lift<'s, 'a>(Discretization<'s, 'a>);
 
 /// Where the system is on its way.
 struct Motion<'a> {
@@ -60,8 +56,7 @@ struct Node<'a> {
 
 /// The step of a member of the family of lifts.
 pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, member: Member) -> Step<'a> {
-    let map = Discretization::new(arena, system, retraction, member);
-    let lift = Lift { system, map, names: ValueNames::new(system, retraction) };
+    let lift = Lift(Discretization::new(arena, system, retraction, member));
     let motion = lift.motion();
     let mut equations = Vec::new();
     let velocity = lift.velocity(&mut equations);
@@ -70,12 +65,12 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, m
     let next = lift.next(&motion, &kick, &mut equations);
 
     let [Node { configuration: middle, .. }, _] = motion.nodes;
-    map.lifted(system, presolve(equations), &Path { middle, y: motion.y }, &next)
+    lift.0.lifted(presolve(equations), &Path { middle, y: motion.y }, &next)
 }
 
 impl<'a> Lift<'_, 'a> {
     fn motion(&self) -> Motion<'a> {
-        let Self { system, names, map: Discretization { moving, carrying, early, late, .. }, .. } = self;
+        let Discretization { system, names, moving, carrying, early, late, .. } = &self.0;
         let (arena, group) = (early.arena(), &system.group);
         let x = symbols(arena, names.unknown());
         let y = names.times_scale(&x);
@@ -93,36 +88,30 @@ impl<'a> Lift<'_, 'a> {
 
     /// An equation that holds no closed form, for each factor: `left = right`.
     fn implicit(&self, what: &str, [unknown, left, right, start]: [&Vector<'a>; 4]) -> Vec<Equation<'a>> {
-        let group = &self.system.group;
-        let whole = Equation {
-            start: start.clone(),
-            unknown: unknown.clone(),
-            blocks: group.blocks(),
-            left: left.clone(),
-            right: right.clone(),
-            solved: None,
-            names: self.names.components(what),
-        };
+        let group = &self.0.system.group;
+        let (left, names) = (left.clone(), self.0.names.components(what));
+        let explicit = self.0.explicit(unknown, right.clone(), start.clone());
+        let whole = Equation { left, solved: None, names, ..explicit };
         whole.apart(group, &(0..group.factors.len()).map(|factor| vec![factor]).collect::<Vec<_>>())
     }
 
     /// What configurations, velocities, advected parameters and the time are at a node, with this share of the step
     /// behind it.
     fn values(&self, node: &Node<'a>, velocity: &Vector<'a>, share: Expr<'a>) -> Values<'a> {
-        let later = self.map.step * share;
-        values(self.system, &node.configuration, velocity, &node.advected, later)
+        let later = self.0.step * share;
+        values(self.0.system, &node.configuration, velocity, &node.advected, later)
     }
 
     /// `ξ_k`, with an equation if it has no closed form.
     fn velocity(&self, equations: &mut Vec<Equation<'a>>) -> Vector<'a> {
-        let system = self.system;
+        let system = self.0.system;
         let residual = match system.velocity_relation() {
             Relation::Explicit(velocity) => return velocity.hold(),
             Relation::Implicit(residual) => residual,
             Relation::Singular => return system.velocity_symbols(),
         };
-        let (arena, momentum) = (self.map.step.arena(), system.momentum());
-        let velocity = symbols(arena, self.names.components("velocity"));
+        let (arena, momentum) = (self.0.step.arena(), system.momentum());
+        let velocity = symbols(arena, self.0.names.components("velocity"));
         let at = system.velocity_symbols().symbols().into_iter();
         let left = (residual + &momentum).substitute(&at.zip(velocity.iter()).collect::<Vec<_>>());
         let start = Vector::zeros(arena, velocity.len());
@@ -132,13 +121,13 @@ impl<'a> Lift<'_, 'a> {
 
     /// The momentum at a node, with an equation if it has no closed form.
     fn momentum(&self, values: &Values<'a>, what: &str, equations: &mut Vec<Equation<'a>>) -> Vector<'a> {
-        let system = self.system;
+        let system = self.0.system;
         let residual = match system.momentum_relation() {
             Relation::Explicit(momentum) => return momentum.substitute(values),
             Relation::Implicit(residual) => residual,
             Relation::Singular => return system.momentum(),
         };
-        let momentum = symbols(self.map.step.arena(), self.names.components(what));
+        let momentum = symbols(self.0.step.arena(), self.0.names.components(what));
         let mut at = values.clone();
         at.extend(system.momentum().symbols().into_iter().zip(momentum.iter()));
         let velocity = system.velocity_symbols();
@@ -150,17 +139,17 @@ impl<'a> Lift<'_, 'a> {
 
     /// `t ξ'(ḡ, η)`
     fn kick(&self, motion: &Motion<'a>, equations: &mut Vec<Equation<'a>>) -> Vector<'a> {
-        let eta = motion.y.scale(self.map.step.recip());
-        let mut values = self.values(&motion.nodes[0], &eta, self.map.early);
+        let eta = motion.y.scale(self.0.step.recip());
+        let mut values = self.values(&motion.nodes[0], &eta, self.0.early);
         let momentum = self.momentum(&values, "mu", equations);
-        values.extend(self.system.momentum().symbols().into_iter().zip(momentum.iter()));
-        acceleration(self.map.step.arena(), self.system).substitute(&values).scale(self.map.step).hold()
+        values.extend(self.0.system.momentum().symbols().into_iter().zip(momentum.iter()));
+        acceleration(self.0.step.arena(), self.0.system).substitute(&values).scale(self.0.step).hold()
     }
 
     /// `dL τ_x v` for velocities in the body, `dR τ_x v` for those in space.
     fn carried(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
-        let (group, retraction) = (&self.system.group, self.map.moving.behind);
-        match self.system.side {
+        let (group, retraction) = (&self.0.system.group, self.0.moving.behind);
+        match self.0.system.side {
             Side::Left => group.d_left(retraction, x, v),
             Side::Right => group.d_right(retraction, x, v),
         }
@@ -169,38 +158,31 @@ impl<'a> Lift<'_, 'a> {
     /// `Ad_{τ(x)⁻¹} y` for a multiple `x` of `y` and velocities in the body, `Ad_{τ(x)} y` for those in space: `y`,
     /// where `τ` is equivariant.
     fn turned(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
-        if self.map.moving.behind.is_equivariant() {
+        if self.0.moving.behind.is_equivariant() {
             return y.clone();
         }
-        let signed = x.scale(self.map.step.arena().number(self.system.side.sign()));
-        self.system.group.carried_back(self.map.carrying.behind, &signed, y)
+        let signed = x.scale(self.0.step.arena().number(self.0.system.side.sign()));
+        self.0.system.group.carried_back(self.0.carrying.behind, &signed, y)
     }
 
     /// `Ad_{τ(−sy)⁻¹} y = t ξ_k + s t dL τ_{−sy} t ξ'`
     fn equation(&self, motion: &Motion<'a>, velocity: &Vector<'a>, kick: &Vector<'a>) -> Equation<'a> {
-        let Discretization { step, early, .. } = self.map;
+        let Discretization { step, early, .. } = self.0;
         let back = motion.y.scale(-early);
         let right = velocity + &self.carried(&back, kick).scale(early);
-        let right = self.names.per_scale(&right.scale(step));
-        let start = match self.system.velocity_relation() {
-            Relation::Explicit(_) => self.names.per_scale(&velocity.scale(step)),
+        let right = self.0.names.per_scale(&right.scale(step));
+        let start = match self.0.system.velocity_relation() {
+            Relation::Explicit(_) => self.0.names.per_scale(&velocity.scale(step)),
             _ => Vector::zeros(step.arena(), right.len()),
         };
-        let left = self.names.per_scale(&self.turned(&back, &motion.y));
-        Equation {
-            solved: (left == motion.x).then(|| right.clone()),
-            left,
-            unknown: motion.x.clone(),
-            blocks: self.system.group.blocks(),
-            right,
-            start,
-            names: self.names.unknown(),
-        }
+        let left = self.0.names.per_scale(&self.turned(&back, &motion.y));
+        let explicit = self.0.explicit(&motion.x, right, start);
+        Equation { solved: explicit.solved.filter(|_| left == motion.x), left, ..explicit }
     }
 
     /// The state after the step, with an equation for the momentum if it has no closed form.
     fn next(&self, motion: &Motion<'a>, kick: &Vector<'a>, equations: &mut Vec<Equation<'a>>) -> Parts<'a> {
-        let Discretization { step, late, .. } = self.map;
+        let Discretization { step, late, .. } = self.0;
         let on = motion.y.scale(late);
         let change = self.carried(&on, kick).scale(late);
         let velocity = &self.turned(&on, &motion.y).scale(step.recip()) + &change;

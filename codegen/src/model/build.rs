@@ -62,7 +62,7 @@ impl<'a> System<'a> {
                 potential: of(EnergyKey::Potential).unwrap_or_else(|| arena.zero()),
             },
         };
-        if description.is_sound() && builder.diagnostics.len() == before {
+        if description.is_sound && builder.diagnostics.len() == before {
             builder.warn_of_unused();
         }
         let system = Self {
@@ -84,7 +84,7 @@ impl<'a> System<'a> {
             velocity: OnceCell::new(),
             casimirs: OnceCell::new(),
         };
-        description.is_sound().then_some(system)
+        description.is_sound.then_some(system)
     }
 }
 
@@ -111,7 +111,7 @@ struct Builder<'s, 'a> {
 
 impl<'a> Builder<'_, 'a> {
     /// The fields, and their values.
-    fn parameters(&mut self) -> (Vec<Part<'a>>, Vec<Value<'a>>) {
+    fn parameters(&mut self) -> (Vec<Part>, Vec<Value<'a>>) {
         let description = self.description;
         let fields = description.item.fields.iter().flat_map(|field| {
             let elements = Name::all(&field.name, field.length).into_iter();
@@ -130,7 +130,7 @@ impl<'a> Builder<'_, 'a> {
     }
 
     /// A control, or each of an array.
-    fn control(&mut self, control: &Control, units: &[(String, String)]) -> Vec<Part<'a>> {
+    fn control(&mut self, control: &Control, units: &[(String, String)]) -> Vec<Part> {
         let whole = plain(&control.name);
         let unit = units.iter().find(|(of, _)| *of == whole).map(|(_, unit)| unit.clone());
         let elements = Name::all(&control.name, control.length).into_iter().map(|name| {
@@ -142,19 +142,18 @@ impl<'a> Builder<'_, 'a> {
     }
 
     /// A parameter or a control, made of new symbols and in scope, and its value.
-    fn part(&mut self, name: Name, role: Role, shape: Shape) -> (Part<'a>, Value<'a>) {
+    fn part(&mut self, name: Name, role: Role, shape: Shape) -> (Part, Value<'a>) {
         let arena = self.arena;
         let stage = if role == Role::Parameter { Stage::Parameters } else { Stage::Step };
         let value = Value::symbols(arena, &name.plain(), shape, stage);
         define(&mut self.scope, &name, &plain(&name.ident), value.clone());
-        let components = Vector(value.scalars());
-        let (symbols, prefix) = (components.symbols(), format!("{}_", name.plain()));
+        let (symbols, prefix) = (Vector(value.scalars()).symbols(), format!("{}_", name.plain()));
         let suffix = |&symbol: &Symbol| {
             arena.symbol_info(symbol).name.strip_prefix(&prefix).unwrap_or_default().to_owned()
         };
         let suffixes = symbols.iter().map(suffix).collect();
         let (kind, unit, doc) = (shape.into(), None, String::new());
-        (Part { role, name, kind, suffixes, symbols, value: components, unit, doc }, value)
+        (Part { role, name, kind, suffixes, symbols, unit, doc }, value)
     }
 
     /// Symbols for a part of the state, named after it.
@@ -335,18 +334,14 @@ pub(crate) fn parts(group: &dyn Group, momentum: &proc_macro2::Ident) -> Vec<Nam
 fn inertias<'a>(
     description: &Description<'_>,
     factors: &[Factor<'a>],
-    (parameters, values): (&[Part<'a>], &[Value<'a>]),
+    (parameters, values): (&[Part], &[Value<'a>]),
 ) -> Vec<InertiaField<'a>> {
     let fields = description.inertias.iter().filter_map(|inertia| {
         let place = parameters.iter().position(|parameter| parameter.name == inertia.name)?;
         let block = inertia.blocks.first();
         let of_block = |block: &Vec<usize>| block.iter().map(|&factor| factors[factor].momentum.len()).sum();
-        Some(InertiaField {
-            name: inertia.name.clone(),
-            shape: inertia.shape,
-            blocks: inertia.blocks.clone(),
-            matrix: inertia_matrix(inertia.shape, &values[place], block.map_or(1, of_block)),
-        })
+        let matrix = inertia_matrix(inertia.shape, &values[place], block.map_or(1, of_block));
+        Some(InertiaField { described: inertia.clone(), matrix })
     });
     fields.collect()
 }
@@ -370,7 +365,8 @@ fn joint_inertia<'a>(arena: &'a Arena, factors: &[Factor<'a>], fields: &[Inertia
     let places = consecutive(factors.iter().map(|factor| factor.momentum.len()));
     let total = places.last().map_or(0, |last| last.end);
     let mut entries = vec![arena.zero(); total * total];
-    let blocks = fields.iter().flat_map(|field| field.blocks.iter().map(move |block| (field, block)));
+    let blocks =
+        fields.iter().flat_map(|field| field.described.blocks.iter().map(move |block| (field, block)));
     for (field, block) in blocks {
         // rows of the field's matrix as rows of the whole
         let rows: Vec<usize> = block.iter().flat_map(|&factor| places[factor].clone()).collect();

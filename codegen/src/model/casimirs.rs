@@ -4,17 +4,11 @@ use std::ops::Range;
 
 use super::{Factor, System, parts};
 use crate::expr::{Expr, Number, Vector};
-use crate::group::casimirs::{Polynomial, casimirs_of};
+use crate::group::casimirs::{self, Polynomial, casimirs_of};
 use crate::group::{Group, Semidirect, consecutive};
 
-/// What a system's bracket keeps.
-#[derive(Clone, Default)]
-pub struct Casimirs<'a> {
-    /// With their names.
-    pub found: Vec<(String, Expr<'a>)>,
-    /// How many more there are that were not found.
-    pub missing: usize,
-}
+/// What a system's bracket keeps, with names.
+pub type Casimirs<'a> = casimirs::Casimirs<(String, Expr<'a>)>;
 
 /// Components that have a name in common, and a unit.
 struct Block<'a> {
@@ -29,7 +23,7 @@ impl<'a> System<'a> {
     /// changes none is a function.
     pub fn casimirs(&self) -> &Casimirs<'a> {
         self.casimirs.get_or_init(|| {
-            let mut all = Casimirs::default();
+            let mut all = Casimirs { found: Vec::new(), missing: 0 };
             // those of a product are those of its factors
             for (factor, algebra) in self.factors.iter().zip(&self.group.factors) {
                 let Casimirs { found, missing } = of_factor(factor, algebra, self.is_kicked(factor));
@@ -55,7 +49,9 @@ fn of_factor<'a>(factor: &Factor<'a>, algebra: &Semidirect, is_moved: bool) -> C
     let lengths = lengths.chain(blocks[momenta..].iter().map(|block| block.value.len()));
     let ranges = consecutive(lengths);
     let variables = if is_moved { &ranges[1..] } else { &ranges[..] };
-    let Some(found) = casimirs_of(algebra, variables) else { return Casimirs::default() };
+    let Some(found) = casimirs_of(algebra, variables) else {
+        return Casimirs { found: Vec::new(), missing: 0 };
+    };
     let named = found.found.iter().map(|polynomial| named(polynomial, &blocks));
     Casimirs { found: named.collect(), missing: found.missing }
 }

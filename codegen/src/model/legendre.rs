@@ -29,14 +29,6 @@ impl<'a> Relation<'a> {
         }
         residual.affine_root(&jacobian, symbols).map_or(Self::Singular, Self::Explicit)
     }
-
-    /// The closed form, or what vanishes at it.
-    pub fn value(&self) -> Option<&Vector<'a>> {
-        match self {
-            Self::Explicit(value) | Self::Implicit(value) => Some(value),
-            Self::Singular => None,
-        }
-    }
 }
 
 impl<'a> System<'a> {

@@ -10,7 +10,7 @@ pub(crate) use build::parts;
 
 use std::cell::OnceCell;
 
-pub use crate::check::{Factors, InertiaShape};
+pub use crate::check::{Factors, Inertia, InertiaShape};
 pub use crate::identifiers::{Name, Place};
 pub use crate::language::ForceForm;
 pub use casimirs::Casimirs;
@@ -40,11 +40,11 @@ pub struct System<'a> {
     /// The factors of the group, with their symbols.
     pub factors: Vec<Factor<'a>>,
     /// The struct's fields, each element of an array by itself.
-    pub parameters: Vec<Part<'a>>,
+    pub parameters: Vec<Part>,
     /// Constants of the user's own code that expressions name; parameters too, after the fields.
     pub constants: Vec<Constant<'a>>,
     /// The controls, held over a step.
-    pub controls: Vec<Part<'a>>,
+    pub controls: Vec<Part>,
     /// The time.
     pub time: Expr<'a>,
     /// On which side the groups act.
@@ -153,23 +153,13 @@ pub struct ForceSource {
 /// A field marked `#[inertia]`, or an element of one.
 #[derive(Clone)]
 pub struct InertiaField<'a> {
-    /// Its name.
-    pub name: Name,
-    /// How it is given.
-    pub shape: InertiaShape,
-    /// The factors that it is the joint inertia of; several such groups of factors where each has this same inertia.
-    /// Empty beside a Hamiltonian or a Lagrangian.
-    pub blocks: Vec<Vec<usize>>,
+    /// As it is described.
+    pub described: Inertia,
     /// As a matrix.
     pub matrix: Matrix<'a>,
 }
 
 impl<'a> System<'a> {
-    /// The same up to a few terms of series that are not finite sums, if groups or spaces have such.
-    pub(crate) fn coarse(&self) -> Option<Self> {
-        Some(Self { group: self.group.coarse()?, ..self.clone() })
-    }
-
     /// The dimension of the configuration.
     pub fn dimension(&self) -> usize {
         self.group.dimension()

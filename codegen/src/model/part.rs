@@ -1,14 +1,14 @@
 //! Parameters, the parts of the state, and controls, as fields of structs.
 
 use super::{Advected, Name, Slot, System};
-use crate::expr::{Symbol, Vector};
+use crate::expr::Symbol;
 use crate::group::Side;
 use crate::identifiers::plain;
 use crate::quantity::{Kind, Role};
 
 /// A parameter, a part of the state, or a control: one field of a struct, or an element of one.
 #[derive(Clone)]
-pub struct Part<'a> {
+pub struct Part {
     /// Its role in the system.
     pub role: Role,
     /// Its name.
@@ -19,8 +19,6 @@ pub struct Part<'a> {
     pub suffixes: Vec<String>,
     /// Its components' symbols.
     pub symbols: Vec<Symbol>,
-    /// Its components.
-    pub value: Vector<'a>,
     /// Its unit, if the user says one.
     pub unit: Option<String>,
     /// The first line of its documentation.
@@ -29,11 +27,11 @@ pub struct Part<'a> {
 
 impl<'a> System<'a> {
     /// The parts of the state in the order of storage.
-    pub fn parts(&self) -> Vec<Part<'a>> {
+    pub fn parts(&self) -> Vec<Part> {
         self.slots().into_iter().map(|slot| self.state_part(slot)).collect()
     }
 
-    fn state_part(&self, slot: Slot) -> Part<'a> {
+    fn state_part(&self, slot: Slot) -> Part {
         let (Slot::Configuration(factor) | Slot::Momentum(factor) | Slot::Advected { factor, .. }) = slot;
         let (group, factor) = (self.group.factors[factor].group, &self.factors[factor]);
         let (role, name, kind, doc) = match slot {
@@ -62,11 +60,11 @@ impl<'a> System<'a> {
             Slot::Configuration(_) => group.coordinates(),
             _ => self.axes(slot),
         };
-        let (value, suffixes) = (self.part(slot).clone(), suffixes.iter().map(|&one| one.to_owned()));
-        let (name, symbols) = (name.clone(), value.symbols());
+        let suffixes = suffixes.iter().map(|&one| one.to_owned()).collect();
+        let (name, symbols) = (name.clone(), self.part(slot).symbols());
         let whole = plain(&name.ident);
         let unit = self.units.iter().find(|(of, _)| *of == whole).map(|(_, unit)| unit.clone());
-        Part { role, name, kind, suffixes: suffixes.collect(), symbols, value, unit, doc }
+        Part { role, name, kind, suffixes, symbols, unit, doc }
     }
 
     /// Suffixes of the components of a tangent vector's part: those of the algebra for a configuration.

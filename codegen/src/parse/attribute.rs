@@ -38,7 +38,7 @@ pub struct Attribute {
     /// `methods(Midpoint, …)`
     pub methods: Vec<Rule>,
     /// `retractions(Cayley, …)`; empty for those of [`Retraction::defaults`].
-    retractions: Vec<Retraction>,
+    pub retractions: Vec<Retraction>,
     /// `derivatives` for all of them, or `derivatives(state, …)`
     pub derivatives: Derivatives,
     /// `units(momentum = "N m s", …)`
@@ -50,8 +50,8 @@ pub struct Attribute {
     /// The names of factors, advected parameters and controls whose declarations could not be read, with the keys where
     /// they are.
     pub unreadable: Vec<(Key, Ident)>,
-    /// Whether there were problems.
-    faulty: bool,
+    /// Whether all of it could be read.
+    pub is_sound: bool,
     /// The keys that were there, whether or not their values could be read.
     given: Vec<Key>,
     /// Those that were meant by keys that there are not.
@@ -126,12 +126,6 @@ impl Attribute {
     /// Reads the tokens between the parentheses of the attribute. `known` are the methods that there are.
     pub fn parse(tokens: TokenStream, known: &[&'static Method], diagnostics: &mut Diagnostics) -> Self {
         let before = diagnostics.len();
-        let mut attribute = Self::read(tokens, known, diagnostics);
-        attribute.faulty = diagnostics.len() > before;
-        attribute
-    }
-
-    fn read(tokens: TokenStream, known: &[&'static Method], diagnostics: &mut Diagnostics) -> Self {
         let mut attribute = Self::default();
         if let Some((span, message)) = nesting::excess(&tokens) {
             diagnostics.push_at(span, message);
@@ -148,17 +142,13 @@ impl Attribute {
         if let Err(error) = entries.parse2(tokens) {
             diagnostics.absorb(error);
         }
+        attribute.is_sound = diagnostics.len() == before;
         attribute
     }
 
     /// Whether the key was written or meant, even if its value could not be read.
     pub fn has(&self, key: Key) -> bool {
         self.given.contains(&key) || self.slips.contains(&key)
-    }
-
-    /// Whether all of it could be read.
-    pub fn is_sound(&self) -> bool {
-        !self.faulty
     }
 
     /// Whether the energy is given whole, not as inertia and potential.
@@ -169,11 +159,6 @@ impl Attribute {
     /// The energy of a key.
     pub fn energy(&self, key: EnergyKey) -> Option<&syn::Expr> {
         self.energies.iter().find(|(known, _)| *known == key).map(|(_, energy)| energy)
-    }
-
-    /// The retractions that are named.
-    pub fn named_retractions(&self) -> &[Retraction] {
-        &self.retractions
     }
 
     /// One `key = value` or `key(…)`, with the comma after it. Always consumes something.

@@ -81,7 +81,8 @@ pub(crate) fn of_segment(segment: &PathSegment) -> Option<(Shape, ScalarType)> {
         return segment.arguments.is_none().then_some((Shape::Scalar, scalar));
     }
     let arguments = arguments(segment);
-    let scalar = arguments.first().copied().and_then(scalar_argument)?;
+    let Some(GenericArgument::Type(ty)) = arguments.first() else { return None };
+    let (Shape::Scalar, scalar) = of_type(ty)? else { return None };
     let shape = match (name.as_str(), &arguments[1..]) {
         ("SVector", &[n]) => Shape::Vector(size_argument(n)?),
         ("SMatrix", &[rows, columns]) => Shape::Matrix(size_argument(rows)?, size_argument(columns)?),
@@ -95,15 +96,6 @@ fn arguments(segment: &PathSegment) -> Vec<&GenericArgument> {
     match &segment.arguments {
         PathArguments::AngleBracketed(arguments) => arguments.args.iter().collect(),
         _ => Vec::new(),
-    }
-}
-
-fn scalar_argument(argument: &GenericArgument) -> Option<ScalarType> {
-    match argument {
-        GenericArgument::Type(ty) => {
-            of_type(ty).filter(|(shape, _)| *shape == Shape::Scalar).map(|(_, scalar)| scalar)
-        }
-        _ => None,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::quantity::{Kind, Role, ScalarType, Shape, Side};
+use crate::quantity::{Kind, Role, ScalarType, Side};
 
 /// The data that go in and out of a system's functions, and what is known of it.
 #[derive(Clone, Debug)]
@@ -123,11 +123,6 @@ pub struct Documentation {
 }
 
 impl Quantity {
-    /// The shape of what is stored of it.
-    pub fn shape(&self) -> Shape {
-        self.kind.shape()
-    }
-
     /// The field that it stands in: its own, or that of its array.
     pub fn field(&self) -> &str {
         self.element.as_ref().map_or(&self.name, |element| &element.array)

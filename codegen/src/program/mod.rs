@@ -255,14 +255,11 @@ impl<R> Function<R> {
     /// Drops from the arguments what the function makes no use of. Fields that a record returns are used.
     pub(crate) fn keep_used_arguments(&mut self, records: &[Record]) {
         let mut used = std::collections::BTreeSet::new();
-        for statement in &self.statements {
-            match statement {
-                Statement::Let { term, .. } | Statement::Stumpff { argument: term, .. } => {
-                    term.values(&mut |value| _ = used.insert(value));
-                }
-            }
-        }
-        self.results.iter().flatten().for_each(|term| term.values(&mut |value| _ = used.insert(value)));
+        let terms = self.statements.iter().map(|statement| match statement {
+            Statement::Let { term, .. } | Statement::Stumpff { argument: term, .. } => term,
+        });
+        let terms = terms.chain(self.results.iter().flatten());
+        terms.for_each(|term| term.values(&mut |value| _ = used.insert(value)));
         let returned = records.iter().find(|record| Some(record.kind) == self.record);
         used.extend(returned.iter().flat_map(|record| &record.fields));
         for argument in &mut self.arguments {

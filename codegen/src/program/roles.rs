@@ -201,7 +201,7 @@ impl FunctionRole for SystemRole {
             return format!("{name}_{place}");
         }
         if let Self::Displacement(retraction) = self {
-            return format!("{}_{name}", retraction.snake_name());
+            return format!("{}_{name}", retraction.row().snake_name);
         }
         name.to_owned()
     }

@@ -91,7 +91,7 @@ mod exact_tests {
         assert_eq!(singular.inverse(), None);
         assert_eq!(RationalMatrix::zero(3, 2).inverse(), None);
         assert_eq!(RationalMatrix::zero(2, 3).inverse(), None);
-        assert_eq!(singular.independent_columns(), [0, 1]);
+        assert_eq!(singular.clone().reduce(), [0, 1]);
         let kernel = singular.kernel();
         assert_eq!(kernel.len(), 1);
         let column = RationalMatrix::from_fn(3, 1, |i, _| kernel[0][i]);

@@ -279,7 +279,7 @@ fn structures_are_lie_algebras() {
     for group in catalogue() {
         let spaces = group.representations().to_vec();
         let structure = Structure::of(&Semidirect { group: *group, spaces }).expect("exact constants");
-        let n = structure.dimension();
+        let n = structure.dimension;
         let bracket = |x: &BTreeMap<usize, Fraction>, j: usize| {
             let mut image: BTreeMap<usize, Fraction> = BTreeMap::new();
             for (&i, &value) in x {

@@ -43,7 +43,7 @@ fn problems(attribute: &Attribute, item: &Item) -> Diagnostics {
     let description = check::resolve(attribute, item, &mut found);
     let arena = Arena::new();
     let system = System::build(&arena, &description, &mut found);
-    assert_eq!(system.is_some(), description.is_sound());
+    assert_eq!(system.is_some(), description.is_sound);
     found
 }
 

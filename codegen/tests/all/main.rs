@@ -39,6 +39,12 @@ mod quantity;
 mod entries;
 
 /// For [`alone`].
+#[allow(dead_code, unreachable_pub)]
+#[path = "../../src/expr/rational.rs"]
+mod rational;
+
+/// For [`alone`].
 mod expr {
     pub(crate) use crate::entries::Entries;
+    pub(crate) use crate::rational::Rational;
 }

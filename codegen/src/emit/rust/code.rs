@@ -3,8 +3,11 @@
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{ToTokens, format_ident, quote};
 
+use super::docs;
 use crate::expr::Number;
-use crate::program::{Argument, Elementary, Function, Input, RecordKind, Statement, Term, Value, Values};
+use crate::program::{
+    Argument, Elementary, Function, FunctionRole, Input, RecordKind, Statement, Term, Value, Values,
+};
 
 /// An array's length, without a suffix.
 pub(super) fn size(length: usize) -> Literal {
@@ -46,13 +49,7 @@ pub(super) fn free_function<R>(
 ) -> TokenStream {
     let name = format_ident!("{name}");
     let count = size(function.results.iter().map(Vec::len).sum());
-    let arguments = function.arguments.iter().map(|Argument { input, values }| {
-        let (name, n) = (argument_name(*input), size(values.len()));
-        match input {
-            Input::Time | Input::StepSize => quote! { #name: T },
-            _ => quote! { #name: &[T; #n] },
-        }
-    });
+    let arguments = arguments(function);
     let body = body(module, function);
     let results = arrays(module, function);
     quote! {
@@ -60,6 +57,46 @@ pub(super) fn free_function<R>(
         fn #name<T: #private::Scalar>(#(#arguments),*) -> [T; #count] {
             #body
             #(#results)*
+        }
+    }
+}
+
+/// The arguments of a function as it declares them.
+pub(super) fn arguments<R>(function: &Function<R>) -> Vec<TokenStream> {
+    let argument = |Argument { input, values }: &Argument| {
+        let (name, n) = (argument_name(*input), size(values.len()));
+        Some(match input {
+            Input::Record(RecordKind::Constants) => quote! { &self },
+            Input::Record(RecordKind::Step) => quote! { step: &Self::Step },
+            Input::Record(RecordKind::Point) => quote! { point: &Self::Point },
+            // one argument has the three of them
+            Input::Residual | Input::Right => return None,
+            Input::Record(RecordKind::Iterate) => {
+                let n = size(function.length(Input::Unknown));
+                quote! { evaluation: &Evaluation<[T; #n], Self::Iterate> }
+            }
+            Input::Time | Input::StepSize => quote! { #name: T },
+            _ => quote! { #name: &[T; #n] },
+        })
+    };
+    function.arguments.iter().filter_map(argument).collect()
+}
+
+/// A function as a method with this signature and these results.
+pub(super) fn method<R: FunctionRole>(
+    module: &Values,
+    function: &Function<R>,
+    signature: &TokenStream,
+    result: &TokenStream,
+) -> TokenStream {
+    let doc = docs::line(&format!("{}: {}.", function.role.signature().purpose, function.operations()));
+    let (inlined, body) = (inlined(), body(module, function));
+    quote! {
+        #doc
+        #inlined
+        #signature {
+            #body
+            #result
         }
     }
 }
@@ -85,13 +122,13 @@ fn argument_name(input: Input) -> Ident {
 }
 
 /// What a function needs of its arguments, and what it computes.
-pub(super) fn body<R>(module: &Values, function: &Function<R>) -> TokenStream {
+fn body<R>(module: &Values, function: &Function<R>) -> TokenStream {
     let unpacked = function.arguments.iter().map(|argument| unpacked(module, argument));
     if function.statements.len() > MANY {
         let statements = function.statements.chunks(TOGETHER).map(|lines| declared_together(module, lines));
         return quote! { #(#unpacked)* #(#statements)* };
     }
-    let statements = function.statements.iter().map(|line| statement(module, line));
+    let statements = function.statements.iter().map(|line| statement(module, line, &quote! { let }));
     quote! { #(#unpacked)* #(#statements)* }
 }
 
@@ -108,13 +145,7 @@ fn declared_together(module: &Values, lines: &[Statement]) -> TokenStream {
         Statement::Let { value, .. } => Some(ident(module, *value)),
         Statement::Stumpff { .. } => None,
     });
-    let statements = lines.iter().map(|line| match line {
-        Statement::Let { value, term: value_of } => {
-            let (name, value) = (ident(module, *value), term(module, value_of));
-            quote! { #name = #value; }
-        }
-        Statement::Stumpff { .. } => statement(module, line),
-    });
+    let statements = lines.iter().map(|line| statement(module, line, &TokenStream::new()));
     quote! { let (#(#names,)*); #(#statements)* }
 }
 
@@ -166,11 +197,12 @@ pub(super) fn array(module: &Values, results: &[Term]) -> TokenStream {
     quote! { [#(#results),*] }
 }
 
-fn statement(module: &Values, statement: &Statement) -> TokenStream {
+/// One line; what it computes alone is declared where it is not yet.
+fn statement(module: &Values, statement: &Statement, declared: &TokenStream) -> TokenStream {
     match statement {
         Statement::Let { value, term: value_of } => {
             let (name, value) = (ident(module, *value), term(module, value_of));
-            quote! { let #name = #value; }
+            quote! { #declared #name = #value; }
         }
         Statement::Stumpff { values, argument } => {
             let names = values.iter().map(|value| pattern(module, *value));

@@ -3,11 +3,10 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use super::code::{array, arrays, body, inlined, kept, record, size};
-use super::docs;
+use super::code::{arguments, array, arrays, kept, method, record, size};
 use super::kernel::kernel_name;
 use super::names::Names;
-use crate::program::{DerivativeRole, Function, FunctionRole, Input, Module, RecordKind, Term};
+use crate::program::{DerivativeRole, Function, FunctionRole, Interface, Module, RecordKind, Term};
 use crate::scheme::Scheme;
 
 /// The derivative of one scheme's step, to stand beside its kernel:
@@ -23,12 +22,12 @@ pub(super) fn derivative(
     names: &Names,
     scheme: Scheme,
     module: &Module<DerivativeRole>,
-    lengths: &Lengths,
+    interface: &Interface,
 ) -> TokenStream {
     let Names { private, system: system_name, .. } = names;
     let kernel = kernel_name(names, scheme);
     let point = record(&module.values, RecordKind::Point);
-    let maps = Maps { module, lengths, private };
+    let maps = Maps { module, interface, private };
     let through = maps.through_type();
     let functions = module.functions.iter().map(|function| maps.method(function));
     let no_through = module.function(DerivativeRole::Through).is_none().then(|| {
@@ -57,29 +56,17 @@ pub(super) fn derivative(
     }
 }
 
-/// How long the perturbations are, whether or not a derivative is asked for by them.
-pub(super) struct Lengths {
-    /// Of the state.
-    pub state: usize,
-    /// Of the controls.
-    pub controls: usize,
-    /// Of the parameters.
-    pub parameters: usize,
-}
-
 /// The functions of one derivative.
 struct Maps<'m> {
     module: &'m Module<DerivativeRole>,
-    lengths: &'m Lengths,
+    /// Tells how long perturbations are, whether or not a derivative is asked for by them.
+    interface: &'m Interface,
     private: &'m TokenStream,
 }
 
 impl Maps<'_> {
     fn method(&self, function: &Function<DerivativeRole>) -> TokenStream {
         let values = &self.module.values;
-        let purpose = function.role.signature().purpose;
-        let doc = docs::line(&format!("{purpose}: {}.", function.operations()));
-        let (inlined, signature, body) = (inlined(), self.signature(function), body(values, function));
         let arrays = || arrays(values, function);
         let result = match function.role {
             DerivativeRole::Point => kept(values, RecordKind::Point),
@@ -96,57 +83,28 @@ impl Maps<'_> {
                 self.columns(function)
             }
         };
-        quote! {
-            #doc
-            #inlined
-            #signature {
-                #body
-                #result
-            }
-        }
+        method(values, function, &self.signature(function), &result)
     }
 
     fn signature(&self, function: &Function<DerivativeRole>) -> TokenStream {
-        let Lengths { state: n, controls, parameters } = *self.lengths;
-        let [state, control, parameters] = [n, controls, parameters].map(size);
+        let [state, control, parameters] = [
+            self.interface.state_perturbation(),
+            self.interface.control_length(),
+            self.interface.field_length(),
+        ]
+        .map(size);
+        let (given, through) = (arguments(function), self.through_type());
         let matrix = |columns: &Literal| {
-            let (name, through) = (format_ident!("{}", function.role.name()), self.through_type());
-            quote! { fn #name(point: &Self::Point, through: &#through) -> [[T; #state]; #columns] }
+            let name = format_ident!("{}", function.role.name());
+            quote! { fn #name(#(#given,)* through: &#through) -> [[T; #state]; #columns] }
         };
         match function.role {
-            DerivativeRole::Point => {
-                let [parameters, state, control, unknown] =
-                    [Input::Parameters, Input::State, Input::Control, Input::Unknown]
-                        .map(|input| size(function.length(input)));
-                quote! {
-                    fn point(
-                        parameters: &[T; #parameters],
-                        step: T,
-                        state: &[T; #state],
-                        time: T,
-                        control: &[T; #control],
-                        unknown: &[T; #unknown],
-                    ) -> Self::Point
-                }
+            DerivativeRole::Point => quote! { fn point(#(#given,)*) -> Self::Point },
+            DerivativeRole::Tangent => quote! { fn tangent(#(#given,)*) -> [T; #state] },
+            DerivativeRole::Adjoint => {
+                quote! { fn adjoint(#(#given,)*) -> ([T; #state], [T; #control], [T; #parameters]) }
             }
-            DerivativeRole::Tangent => quote! {
-                fn tangent(
-                    point: &Self::Point,
-                    state: &[T; #state],
-                    control: &[T; #control],
-                    parameters: &[T; #parameters],
-                ) -> [T; #state]
-            },
-            DerivativeRole::Adjoint => quote! {
-                fn adjoint(
-                    point: &Self::Point,
-                    costate: &[T; #state],
-                ) -> ([T; #state], [T; #control], [T; #parameters])
-            },
-            DerivativeRole::Through => {
-                let through = self.through_type();
-                quote! { fn through(point: &Self::Point) -> #through }
-            }
+            DerivativeRole::Through => quote! { fn through(#(#given),*) -> #through },
             DerivativeRole::WrtState => matrix(&state),
             DerivativeRole::WrtControl => matrix(&control),
             DerivativeRole::WrtParameters => matrix(&parameters),
@@ -157,7 +115,7 @@ impl Maps<'_> {
     fn through_type(&self) -> TokenStream {
         let columns =
             self.module.function(DerivativeRole::Through).map_or(0, |function| function.results.len());
-        let (n, columns) = (size(self.lengths.state), size(columns));
+        let (n, columns) = (size(self.interface.state_perturbation()), size(columns));
         quote! { [[T; #n]; #columns] }
     }
 

@@ -11,7 +11,7 @@ use crate::program::{FunctionRole as _, Input, Program, SystemRole};
 /// What the free function of a role is called.
 fn function_name(role: SystemRole) -> String {
     match role {
-        SystemRole::Displacement(retraction) => retraction.snake_name(),
+        SystemRole::Displacement(retraction) => retraction.row().snake_name.to_owned(),
         SystemRole::HamiltonianVector => "vector".to_owned(),
         SystemRole::Deviation => "off".to_owned(),
         role => role.name(),

@@ -6,7 +6,7 @@ use quote::{format_ident, quote};
 use super::code::size;
 use super::functions::{call, function};
 use super::names::Names;
-use crate::program::{Argument, Input, Program, SystemRole};
+use crate::program::{Input, Program, SystemRole};
 use crate::scheme::Retraction;
 
 /// `impl Geometry for HeavyTop { … }`, and `impl Isolated` where nothing acts on the system.
@@ -76,16 +76,10 @@ pub(super) fn geometry(program: &Program, names: &Names) -> TokenStream {
 /// `impl Isolated for FreeRigidBody { … }`, where nothing acts on the system.
 fn isolated(program: &Program, names: &Names) -> Option<TokenStream> {
     let Names { private, system: name, .. } = names;
-    let arguments = |role| {
-        let arguments = program.function(role).map(|(_, function)| &function.arguments);
-        let argument = |argument: &Argument| match argument.input {
-            Input::State => quote! { state },
-            _ => quote! { given },
-        };
-        Some(arguments?.iter().map(argument).collect::<Vec<_>>())
-    };
-    let (to_conserved, from_conserved) =
-        (arguments(SystemRole::Conserved)?, arguments(SystemRole::WithConserved)?);
+    program.function(SystemRole::Conserved)?;
+    let given = [(Input::State, quote! { state }), (Input::Conserved, quote! { given })];
+    let [to_conserved, from_conserved] =
+        [SystemRole::Conserved, SystemRole::WithConserved].map(|role| call(program, names, role, &given));
     let (all, n) = (size(program.interface.state_length()), size(program.interface.dimension));
     let conserved = function(program, names, SystemRole::Conserved);
     let with_conserved = function(program, names, SystemRole::WithConserved);
@@ -98,11 +92,11 @@ fn isolated(program: &Program, names: &Names) -> Option<TokenStream> {
             type Conserved<T: #private::Scalar> = [T; #n];
 
             fn conserved<T: #private::Scalar>(state: &[T; #all]) -> [T; #n] {
-                conserved(#(#to_conserved),*)
+                #to_conserved
             }
 
             fn with_conserved<T: #private::Scalar>(state: &[T; #all], given: &[T; #n]) -> [T; #all] {
-                with_conserved(#(#from_conserved),*)
+                #from_conserved
             }
         }
     })

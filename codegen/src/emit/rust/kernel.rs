@@ -3,12 +3,11 @@
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use super::code::{array, arrays, body, inlined, kept, record, size, term};
-use super::docs;
+use super::code::{arguments, array, arrays, kept, method, record, size, term};
 use super::names::Names;
 use super::schemes::marker;
 use crate::emit::bytes;
-use crate::program::{Function, FunctionRole, Input, Module, RecordKind, StepProgram, StepRole};
+use crate::program::{Function, FunctionRole as _, Input, Module, RecordKind, StepProgram, StepRole};
 use crate::scheme::Scheme;
 
 /// The name of the struct with a kernel's constants.
@@ -42,7 +41,8 @@ pub(super) fn kernel(names: &Names, step: &StepProgram) -> TokenStream {
     let [state, controls] = [Input::State, Input::Control].map(|input| length(StepRole::Begin, input));
     let unknown = length(StepRole::Evaluate, Input::Unknown);
     let blocks = step.blocks.iter().map(|&length| size(length));
-    let functions = module.functions.iter().map(|function| method(module, function));
+    let functions = module.functions.iter();
+    let functions = functions.map(|one| method(&module.values, one, &signature(one), &result(module, one)));
     let no_update = module.function(StepRole::FixedPointUpdate).is_none().then(|| {
         quote! { const HAS_FIXED_POINT_UPDATE: ::core::primitive::bool = false; }
     });
@@ -89,58 +89,18 @@ pub(super) fn kernel(names: &Names, step: &StepProgram) -> TokenStream {
     }
 }
 
-/// One function as a method of the runtime's `Kernel`.
-fn method(module: &Module<StepRole>, function: &Function<StepRole>) -> TokenStream {
-    let doc = docs::line(&format!("{}: {}.", function.role.signature().purpose, function.operations()));
-    let signature = signature(function);
-    let body = body(&module.values, function);
-    let result = result(module, function);
-    let inlined = inlined();
-    quote! {
-        #doc
-        #inlined
-        #signature {
-            #body
-            #result
-        }
-    }
-}
-
 fn signature(function: &Function<StepRole>) -> TokenStream {
-    let length = |input| size(function.length(input));
-    let (state, unknown) = (length(Input::State), length(Input::Unknown));
-    let solved = quote! {
-        &self,
-        state: &[T; #state],
-        step: &Self::Step,
-        unknown: &[T; #unknown],
-        evaluation: &Evaluation<[T; #unknown], Self::Iterate>,
-    };
+    let (name, given) = (format_ident!("{}", function.role.name()), arguments(function));
+    let length = size(function.results.first().map_or(0, Vec::len));
     match function.role {
-        StepRole::New => {
-            let parameters = length(Input::Parameters);
-            quote! { fn new(parameters: &[T; #parameters], step: T) -> Self }
+        StepRole::New => quote! { fn new(#(#given),*) -> Self },
+        StepRole::Begin => quote! { fn begin(#(#given),*) -> Self::Step },
+        StepRole::Start => quote! { fn start(#(#given),*) -> [T; #length] },
+        StepRole::Evaluate => quote! { fn evaluate(#(#given,)*) -> Evaluation<[T; #length], Self::Iterate> },
+        StepRole::Domain => quote! { fn domain(#(#given,)*) -> ::core::option::Option<T> },
+        StepRole::Correction | StepRole::FixedPointUpdate | StepRole::Finish => {
+            quote! { fn #name(#(#given,)*) -> [T; #length] }
         }
-        StepRole::Begin => {
-            let controls = length(Input::Control);
-            quote! { fn begin(&self, state: &[T; #state], time: T, control: &[T; #controls]) -> Self::Step }
-        }
-        StepRole::Start => {
-            let unknown = size(function.results.iter().map(Vec::len).sum());
-            quote! { fn start(&self, state: &[T; #state], step: &Self::Step) -> [T; #unknown] }
-        }
-        StepRole::Evaluate => quote! {
-            fn evaluate(
-                &self,
-                state: &[T; #state],
-                step: &Self::Step,
-                unknown: &[T; #unknown],
-            ) -> Evaluation<[T; #unknown], Self::Iterate>
-        },
-        StepRole::Correction => quote! { fn correction(#solved) -> [T; #unknown] },
-        StepRole::FixedPointUpdate => quote! { fn fixed_point_update(#solved) -> [T; #unknown] },
-        StepRole::Domain => quote! { fn domain(#solved) -> ::core::option::Option<T> },
-        StepRole::Finish => quote! { fn finish(#solved) -> [T; #state] },
     }
 }
 

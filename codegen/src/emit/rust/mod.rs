@@ -24,7 +24,6 @@ use quote::quote;
 use crate::model::System;
 use crate::program::{Program, StepProgram};
 use crate::scheme::Derivatives;
-use derivative::Lengths;
 use functions::block;
 
 /// The macro's expansion, part by part.
@@ -78,17 +77,12 @@ pub fn expansion(
 ) -> Expansion {
     let interface = &program.interface;
     let derived = documentation::description(&program, names);
-    let lengths = Lengths {
-        state: interface.state_perturbation(),
-        controls: interface.control_length(),
-        parameters: interface.field_length(),
-    };
     let step = |program: StepProgram| StepExpansion {
         tokens: kernel::kernel(names, &program),
         derivative: program
             .derivative
             .as_ref()
-            .map(|module| derivative::derivative(names, program.scheme, module, &lengths)),
+            .map(|module| derivative::derivative(names, program.scheme, module, interface)),
         program,
     };
     Expansion {

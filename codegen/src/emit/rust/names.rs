@@ -10,7 +10,7 @@ use crate::identifiers::plain;
 use crate::model::System;
 use crate::parse::Item;
 use crate::program::{Interface, Quantity};
-use crate::quantity::{Kind, Role, ScalarType};
+use crate::quantity::{Kind, ScalarType};
 
 /// The names and paths that all parts of an expansion share.
 pub struct Names {
@@ -48,6 +48,10 @@ impl Names {
             ScalarType::F32 => quote! { f32 },
         };
         let system = item.name.clone();
+        let parameters = source.parameters.iter().map(|field| field.name.ident.clone());
+        let parts = source.parts().into_iter().map(|part| part.name.ident);
+        let controls = source.controls.iter().map(|part| part.name.ident.clone());
+        let identifiers = parameters.chain(parts).chain(controls).map(|ident| (plain(&ident), ident));
         Self {
             state: format_ident!("{system}State"),
             control: format_ident!("{system}Control"),
@@ -57,7 +61,7 @@ impl Names {
             private: quote! { #coadjoint::__private },
             coadjoint,
             constants: source.constants.iter().map(|constant| constant.tokens.to_token_stream()).collect(),
-            identifiers: identifiers(source),
+            identifiers: identifiers.collect(),
         }
     }
 
@@ -100,24 +104,12 @@ pub(super) fn whole(field: &[&Quantity], values: &[TokenStream]) -> TokenStream 
     }
 }
 
-fn identifiers(source: &System<'_>) -> BTreeMap<String, Ident> {
-    let parameters = source.parameters.iter().map(|field| field.name.ident.clone());
-    let parts = source.parts().into_iter().map(|part| part.name.ident);
-    let controls = source.controls.iter().map(|part| part.name.ident.clone());
-    parameters.chain(parts).chain(controls).map(|ident| (plain(&ident), ident)).collect()
-}
-
 /// `quantity("gamma", Role::Advected, Kind::Vector(3), &["x", "y", "z"], 6, 9, "", "…")`
 pub(super) fn quantity(names: &Names, quantity: &Quantity) -> TokenStream {
     let private = &names.private;
     let Quantity { name, role, components, kind, tangent, unit, doc, .. } = quantity;
-    let role = match role {
-        Role::Parameter => quote! { Parameter },
-        Role::Configuration => quote! { Configuration },
-        Role::Momentum => quote! { Momentum },
-        Role::Advected => quote! { Advected },
-        Role::Control => quote! { Control },
-    };
+    // the runtime's have the same names
+    let role = format_ident!("{}", format!("{role:?}"));
     let kind = match *kind {
         Kind::Scalar => quote! { Scalar },
         Kind::Vector(n) => sized("Vector", &[n]),

@@ -6,7 +6,7 @@ use quote::{format_ident, quote};
 use super::functions::block;
 use super::names::Names;
 use crate::program::StepProgram;
-use crate::scheme::{Member, Scheme, stands_for_verlet};
+use crate::scheme::{Member, Scheme};
 
 /// The type that stands for a scheme: `Family<Cayley, 0, 1>`.
 pub(super) fn marker(names: &Names, scheme: Scheme) -> TokenStream {
@@ -33,9 +33,10 @@ pub(super) fn schemes(names: &Names, steps: &[StepProgram]) -> TokenStream {
     retractions.dedup();
     let retracted = retractions.into_iter().map(|retraction| {
         let name = format_ident!("{}", retraction.name());
-        let scheme = match stands_for_verlet(retraction) {
-            true => quote! { #private::StormerVerlet<#coadjoint::#name> },
-            false => quote! { <Self as #private::System>::Standard<#coadjoint::#name> },
+        // what is not odd makes no symmetric step of the first member
+        let scheme = match retraction.is_odd() {
+            true => quote! { <Self as #private::System>::Standard<#coadjoint::#name> },
+            false => quote! { #private::StormerVerlet<#coadjoint::#name> },
         };
         quote! {
             #[automatically_derived]

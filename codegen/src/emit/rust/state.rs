@@ -88,15 +88,16 @@ fn record(
     names: &Names,
 ) -> TokenStream {
     let Names { private, visibility, scalar, .. } = names;
-    let fields = fields(parts).into_iter().map(|field| {
+    let field = |field: Vec<&Quantity>| {
         let (name, ty, doc) = (names.of(field[0]), field_type(&field, names), docs::line(&field[0].doc));
-        quote! { #doc pub #name: #ty }
-    });
+        (quote! { #name: #ty }, doc)
+    };
+    let (fields, docs): (Vec<_>, Vec<_>) = fields(parts).into_iter().map(field).unzip();
     let doc = docs::lines(doc);
     let size = size(parts.iter().map(|part| part.components.len()).sum());
     let Conversion { take, elements, give } = arrays(parts, names);
     let quantities = parts.iter().map(|part| quantity(names, part));
-    let serialization = serialization(name, parts, names);
+    let serialization = serialization(name, &fields, names);
     let inlined = inlined();
     quote! {
         #doc
@@ -104,7 +105,7 @@ fn record(
             ::core::clone::Clone, ::core::marker::Copy, ::core::fmt::Debug, ::core::cmp::PartialEq, #derived
         )]
         #visibility struct #name {
-            #(#fields,)*
+            #(#docs pub #fields,)*
         }
 
         #serialization
@@ -138,12 +139,8 @@ fn record(
 
 /// Serde's traits for a struct of parts, by a macro of the runtime that knows whether its feature `serde` is on: what
 /// is generated is a function of the description alone.
-fn serialization(name: &Ident, parts: &[Quantity], names: &Names) -> TokenStream {
+fn serialization(name: &Ident, fields: &[TokenStream], names: &Names) -> TokenStream {
     let Names { coadjoint, private, .. } = names;
-    let fields = fields(parts).into_iter().map(|field| {
-        let (name, ty) = (names.of(field[0]), field_type(&field, names));
-        quote! { #name: #ty }
-    });
     // serde's derive macros want paths as strings
     let serde = quote! { #coadjoint::serde }.to_string().replace(' ', "");
     let (remote, named) = (name.to_string(), name.unraw().to_string());

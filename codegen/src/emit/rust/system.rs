@@ -9,7 +9,7 @@ use super::functions::{call, function};
 use super::names::{Names, quantity};
 use super::state::{Conversion, arrays};
 use crate::program::{FunctionRole as _, Input, Interface, Program, Quantity, SystemRole, Transform};
-use crate::quantity::{Role, Side};
+use crate::quantity::Role;
 
 /// `impl System for HeavyTop { … }` and the functions it calls.
 pub(super) fn system(program: &Program, names: &Names) -> TokenStream {
@@ -68,10 +68,7 @@ fn types(interface: &Interface, names: &Names) -> TokenStream {
         false => quote! { #private::StormerVerlet<R> },
     };
     let quantities = interface.parameters.iter().map(|field| quantity(names, field));
-    let side = match interface.side {
-        Side::Left => quote! { Left },
-        Side::Right => quote! { Right },
-    };
+    let side = format_ident!("{}", format!("{:?}", interface.side));
     quote! {
         type Scalar = #scalar;
         type State = #state;

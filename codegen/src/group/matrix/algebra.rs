@@ -170,7 +170,7 @@ impl Readout {
         if let Some(i) = (0..d).find(|i| !independent.contains(i)) {
             return Err(BasisError::Dependent(i));
         }
-        let entries = rows.independent_columns();
+        let entries = rows.clone().reduce();
         let square = RationalMatrix::from_fn(d, d, |k, i| basis[i].entries[entries[k]]);
         let inverse = square.inverse().ok_or(BasisError::Dependent(0))?;
         Ok(Self { entries, inverse })

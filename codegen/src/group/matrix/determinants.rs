@@ -165,7 +165,7 @@ impl ImaginaryUnit {
         for k in 0..size {
             let mut more = columns.clone();
             more.extend([RationalMatrix::identity(size).column(k), unit.column(k)]);
-            if RationalMatrix::from_columns(&more).independent_columns().len() == more.len() {
+            if RationalMatrix::from_columns(&more).reduce().len() == more.len() {
                 columns = more;
             }
         }

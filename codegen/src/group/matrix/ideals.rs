@@ -10,8 +10,8 @@
 use super::algebra::{Algebra, image};
 use super::powers::LinearMatrix;
 use crate::expr::Vector;
-use crate::group::consecutive;
 use crate::group::exact::{Rational, RationalMatrix};
+use crate::group::{MatrixFunction, consecutive};
 
 /// An ideal with coordinates of its own.
 #[derive(Clone, Debug)]
@@ -57,12 +57,6 @@ impl Ideal {
         ideals.collect()
     }
 
-    /// With so many terms of series that are not finite sums.
-    pub(super) fn with_terms(&self, terms: usize) -> Self {
-        let (adjoint, matrix) = (self.adjoint.with_terms(terms), self.matrix.with_terms(terms));
-        Self { adjoint, matrix, ..self.clone() }
-    }
-
     /// Whether the exponential and its logarithmic derivative are finite sums.
     pub(super) fn is_closed(&self) -> bool {
         self.adjoint.is_closed() && self.matrix.is_closed()
@@ -73,19 +67,19 @@ impl Ideal {
     }
 
     /// `exp(X) v`, of the part of `x` in it.
-    pub(super) fn exponential<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
-        self.matrix.series(&self.part(x), 0, v)
+    pub(super) fn exponential<'a>(&self, f: MatrixFunction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+        self.matrix.series((f, 0), &self.part(x), v)
     }
 
     /// What `φ₁(ad_x)* m` has from it.
-    pub(super) fn d_right_dual<'a>(&self, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+    pub(super) fn d_right_dual<'a>(&self, f: MatrixFunction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
         let m = image(&self.vectors.transpose(), m);
-        image(&self.coordinates.transpose(), &self.adjoint.transposed_series(&self.part(x), 1, &m))
+        image(&self.coordinates.transpose(), &self.adjoint.transposed_series((f, 1), &self.part(x), &m))
     }
 
     /// What `φ₁(ad_x) y` has from it.
-    pub(super) fn d_right<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
-        image(&self.vectors, &self.adjoint.series(&self.part(x), 1, &self.part(y)))
+    pub(super) fn d_right<'a>(&self, f: MatrixFunction, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
+        image(&self.vectors, &self.adjoint.series((f, 1), &self.part(x), &self.part(y)))
     }
 
     /// Its part of `x`, in its own coordinates.
@@ -170,7 +164,7 @@ fn eigenspaces(map: &RationalMatrix) -> Vec<Vec<Vec<Rational>>> {
         others = others.times(&power);
     }
     // Fitting's lemma: the image of these powers is the sum of the eigenspaces that were not found
-    spaces.push(others.independent_columns().into_iter().map(|j| others.column(j)).collect());
+    spaces.push(others.clone().reduce().into_iter().map(|j| others.column(j)).collect());
     spaces.retain(|space: &Vec<Vec<Rational>>| !space.is_empty());
     spaces
 }

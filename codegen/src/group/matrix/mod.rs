@@ -30,7 +30,7 @@ pub use basis::{Basis, NamedMatrix};
 pub(super) use powers::TERMS;
 pub use spaces::{Linear, LinearError};
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use num_rational::Ratio;
 
@@ -43,7 +43,7 @@ use cayley::Cayley;
 use constraints::{AssociativeEnvelope, InvariantForm};
 use determinants::Determinant;
 use ideals::Ideal;
-use powers::{FEW_TERMS, LinearMatrix};
+use powers::LinearMatrix;
 
 /// Where series of powers are summed: `|ad_x|² + |X|²` is at most the square of this, `3/2`.
 const RADIUS: (i128, i128) = (3, 2);
@@ -56,7 +56,6 @@ const LARGEST_MATRIX: usize = 12;
 const LARGEST_SUMMED: usize = 10;
 
 /// A group of matrices.
-#[derive(Clone)]
 pub struct MatrixGroup {
     names: GroupNames,
     algebra: Algebra,
@@ -67,10 +66,8 @@ pub struct MatrixGroup {
     determinants: Vec<Determinant>,
     has_cayley: bool,
     cayley: Arc<Cayley>,
-    /// Set when it is [leaked](Self::leaked).
-    standard: OnceLock<[&'static dyn Representation; 1]>,
-    /// The same with fewer terms of series.
-    coarse: Option<&'static MatrixGroup>,
+    /// The space of columns that it acts on.
+    standard: [&'static dyn Representation; 1],
 }
 
 impl std::fmt::Debug for MatrixGroup {
@@ -120,37 +117,24 @@ impl MatrixGroup {
             parts: leaked(basis.parts.iter().cloned()),
             components: &[],
         };
-        let group = Self {
+        let rho = match ideals.as_slice() {
+            [whole] => whole.matrix().clone(),
+            _ => LinearMatrix::new(algebra.basis.clone(), terms),
+        };
+        let is_definite = form.as_ref().is_some_and(|form| form.is_definite);
+        let has_cayley = algebra.has_cayley();
+        let standard = Linear::new(format!("R{size}").leak(), rho, has_cayley, is_definite);
+        Ok(Box::leak(Box::new(Self {
             names,
             determinants: Determinant::all(&algebra.basis, &hull, form.as_ref()),
-            has_cayley: algebra.has_cayley(),
+            has_cayley,
             cayley: Arc::new(Cayley::new(&algebra, form.as_ref())),
             algebra,
             ideals,
             hull,
             form,
-            standard: OnceLock::new(),
-            coarse: None,
-        };
-        let coarse = (!group.is_closed()).then(|| {
-            let ideals = group.ideals.iter().map(|ideal| ideal.with_terms(FEW_TERMS)).collect();
-            Self { ideals, ..group.clone() }.leaked(FEW_TERMS)
-        });
-        Ok(Self { coarse, ..group }.leaked(terms))
-    }
-
-    /// For as long as the process lives, with the space that it acts on.
-    fn leaked(self, terms: usize) -> &'static Self {
-        let rho = match self.ideals.as_slice() {
-            [whole] => whole.matrix().clone(),
-            _ => LinearMatrix::new(self.algebra.basis.clone(), terms),
-        };
-        let is_definite = self.form.as_ref().is_some_and(|form| form.is_definite);
-        let standard = Linear::standard(&self.algebra, (rho, terms), self.has_cayley, is_definite);
-        let group: &'static Self = Box::leak(Box::new(self));
-        // it is new: nothing has been set
-        let _ = group.standard.set([standard]);
-        group
+            standard: [standard],
+        })))
     }
 
     /// Rows and columns of the matrices.
@@ -173,9 +157,9 @@ impl MatrixGroup {
     fn function<'a>(&self, f: MatrixFunction, x: &Vector<'a>) -> Matrix<'a> {
         let one = Matrix::identity(x.0[0].arena(), self.size());
         match f {
-            MatrixFunction::Exponential => {
+            MatrixFunction::Exponential | MatrixFunction::Coarse => {
                 let column = |j: usize| {
-                    self.ideals.iter().fold(one.column(j), |column, ideal| ideal.exponential(x, &column))
+                    self.ideals.iter().fold(one.column(j), |column, ideal| ideal.exponential(f, x, &column))
                 };
                 Matrix::from_columns(&(0..self.size()).map(column).collect::<Vec<_>>())
             }
@@ -237,8 +221,8 @@ impl Group for MatrixGroup {
 
     fn closed_d_right_dual<'a>(&self, f: MatrixFunction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
         match f {
-            MatrixFunction::Exponential => {
-                let parts = self.ideals.iter().map(|ideal| ideal.d_right_dual(x, m));
+            MatrixFunction::Exponential | MatrixFunction::Coarse => {
+                let parts = self.ideals.iter().map(|ideal| ideal.d_right_dual(f, x, m));
                 parts.reduce(|sum, part| &sum + &part).unwrap_or_else(|| m.clone())
             }
             MatrixFunction::Cayley => self.cayley.d_right_dual(x, m),
@@ -247,8 +231,8 @@ impl Group for MatrixGroup {
 
     fn closed_d_right<'a>(&self, f: MatrixFunction, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
         match f {
-            MatrixFunction::Exponential => {
-                let parts = self.ideals.iter().map(|ideal| ideal.d_right(x, y));
+            MatrixFunction::Exponential | MatrixFunction::Coarse => {
+                let parts = self.ideals.iter().map(|ideal| ideal.d_right(f, x, y));
                 parts.reduce(|sum, part| &sum + &part).unwrap_or_else(|| y.clone())
             }
             MatrixFunction::Cayley => transposed(y, y.len(), |m| self.closed_d_right_dual(f, x, m)),
@@ -257,8 +241,8 @@ impl Group for MatrixGroup {
 
     fn has_function(&self, f: MatrixFunction) -> bool {
         match f {
-            MatrixFunction::Exponential => self.is_closed() || self.dimension() <= LARGEST_SUMMED,
             MatrixFunction::Cayley => self.has_cayley,
+            _ => self.is_closed() || self.dimension() <= LARGEST_SUMMED,
         }
     }
 
@@ -269,7 +253,7 @@ impl Group for MatrixGroup {
     fn closed_domain<'a>(&self, f: MatrixFunction, x: &Vector<'a>) -> Vec<Expr<'a>> {
         let arena = x.0[0].arena();
         match f {
-            MatrixFunction::Exponential => {
+            MatrixFunction::Exponential | MatrixFunction::Coarse => {
                 let edge = |ideal: &Ideal| {
                     let (x, adjoint, matrix) = (ideal.part(x), ideal.adjoint(), ideal.matrix());
                     if !ideal.is_closed() {
@@ -335,7 +319,7 @@ impl Group for MatrixGroup {
 
     /// The standard one.
     fn representations(&self) -> &[&'static dyn Representation] {
-        self.standard.get().map_or(&[], |standard| standard)
+        &self.standard
     }
 
     fn act<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Option<Vector<'a>> {
@@ -346,10 +330,6 @@ impl Group for MatrixGroup {
         let owned = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
         let (axes, parts) = (owned(self.names.axes), owned(self.names.parts));
         Some(Basis { axes, matrices: self.algebra.basis.clone(), blocks: self.blocks(), parts })
-    }
-
-    fn coarse(&self) -> Option<&'static dyn Group> {
-        self.coarse.map(|group| group as &dyn Group)
     }
 
     fn matrix_rows(&self) -> Option<usize> {

@@ -2,6 +2,7 @@
 
 use super::algebra::{combination, number};
 use crate::expr::{Expr, Matrix, Number, Vector};
+use crate::group::MatrixFunction;
 use crate::group::exact::{Rational, RationalMatrix};
 
 /// So many powers of a matrix of Frobenius norm 3/2, over their factorials, leave out less than half an ulp of a
@@ -9,29 +10,27 @@ use crate::group::exact::{Rational, RationalMatrix};
 pub(in crate::group) const TERMS: usize = 20;
 /// So many are enough for Newton's matrix: what they leave out is less than a part in a thousand at the edge, and 1e-9
 /// for a tenth of a turn.
-pub(super) const FEW_TERMS: usize = 6;
+const FEW_TERMS: usize = 6;
 /// The highest power of `λ² + z` in a polynomial that is looked for.
 const MULTIPLICITY: usize = 4;
+
+/// A function, and the shift of its series.
+type Series = (MatrixFunction, u32);
 
 /// `A(x) = Σ xᵢ Aᵢ`, and how its power series are summed.
 #[derive(Clone, Debug)]
 pub(super) struct LinearMatrix {
-    matrices: Vec<RationalMatrix>,
+    pub(super) matrices: Vec<RationalMatrix>,
     /// By which they are finite sums.
     annihilator: Option<Annihilator>,
     /// How many terms of them, where they are not.
-    terms: usize,
+    pub(super) terms: usize,
 }
 
 impl LinearMatrix {
     pub(super) fn new(matrices: Vec<RationalMatrix>, terms: usize) -> Self {
         let annihilator = Annihilator::of(&matrices);
         Self { matrices, annihilator, terms }
-    }
-
-    /// The same with so many terms where it is not closed.
-    pub(super) fn with_terms(&self, terms: usize) -> Self {
-        Self { terms, ..self.clone() }
     }
 
     /// Whether its power series are finite sums.
@@ -44,23 +43,24 @@ impl LinearMatrix {
         combination(&self.matrices, x)
     }
 
-    /// `Σ_k Aᵏ v / (k + shift)!`
-    pub(super) fn series<'a>(&self, x: &Vector<'a>, shift: u32, v: &Vector<'a>) -> Vector<'a> {
-        self.summed(&self.at(x), x, shift, v)
+    /// `Σ_k Aᵏ v / (k + shift)!`; of a coarse function a few terms, where these are not finite sums.
+    pub(super) fn series<'a>(&self, of: Series, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+        self.summed(&self.at(x), of, x, v)
     }
 
     /// `Σ_k (Aᵀ)ᵏ m / (k + shift)!`
-    pub(super) fn transposed_series<'a>(&self, x: &Vector<'a>, shift: u32, m: &Vector<'a>) -> Vector<'a> {
-        self.summed(&self.at(x).transpose(), x, shift, m)
+    pub(super) fn transposed_series<'a>(&self, of: Series, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+        self.summed(&self.at(x).transpose(), of, x, m)
     }
 
-    fn summed<'a>(&self, matrix: &Matrix<'a>, x: &Vector<'a>, shift: u32, v: &Vector<'a>) -> Vector<'a> {
+    fn summed<'a>(&self, a: &Matrix<'a>, (f, shift): Series, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
         if let Some(annihilator) = &self.annihilator {
-            return annihilator.sum(matrix, x, shift, v);
+            return annihilator.sum(a, x, shift, v);
         }
         // v + A/(s+1) (v + A/(s+2) (v + …)), over s!
-        let sum = (1..=self.terms as u32).rev().fold(v.clone(), |sum, k| {
-            let next = matrix.times(&sum).map(|entry| entry.scale(Number::ratio(1, i128::from(k + shift))));
+        let terms = if f == MatrixFunction::Coarse { FEW_TERMS } else { self.terms };
+        let sum = (1..=terms as u32).rev().fold(v.clone(), |sum, k| {
+            let next = a.times(&sum).map(|entry| entry.scale(Number::ratio(1, i128::from(k + shift))));
             (v + &next).hold()
         });
         sum.map(|entry| entry.scale(reciprocal_factorial(shift)))

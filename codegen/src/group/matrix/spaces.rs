@@ -4,7 +4,7 @@
 use super::algebra::Algebra;
 use super::basis::bounded;
 use super::constraints::InvariantForm;
-use super::powers::{FEW_TERMS, LinearMatrix, TERMS};
+use super::powers::{LinearMatrix, TERMS};
 use super::{Basis, RADIUS, leaked};
 use crate::expr::{Expr, Matrix, Number, Vector};
 use crate::group::exact::{Rational, RationalMatrix};
@@ -28,28 +28,13 @@ pub enum LinearError {
 pub struct Linear {
     name: &'static str,
     coordinates: &'static [&'static str],
-    matrices: Vec<RationalMatrix>,
     rho: LinearMatrix,
     has_cayley: bool,
     /// Whether Cayley's map is regular everywhere.
     is_regular: bool,
-    /// How many terms of series that are not finite sums.
-    terms: usize,
-    coarse: Option<&'static Linear>,
 }
 
 impl Linear {
-    /// Columns of as many numbers as the matrices of an algebra have rows.
-    pub(super) fn standard(
-        algebra: &Algebra,
-        (rho, terms): (LinearMatrix, usize),
-        has_cayley: bool,
-        is_definite: bool,
-    ) -> &'static Self {
-        let name = format!("R{}", algebra.size()).leak();
-        Self::with(name, algebra.basis.clone(), (rho, terms), has_cayley, is_definite)
-    }
-
     /// Columns on which the algebra of a basis acts by these matrices.
     ///
     /// # Errors
@@ -71,40 +56,35 @@ impl Linear {
         // the graph of the representation
         let both = basis.matrices.iter().zip(matrices).map(|(e, rho)| e.beside(rho)).collect();
         let has_cayley = Algebra::new(both).is_ok_and(|graph| graph.has_cayley());
-        let space = Self::new("matrices", matrices.clone(), has_cayley, TERMS);
+        let space = Self::of("matrices", matrices.clone(), has_cayley, TERMS);
         if space.rho.is_exact() { Ok(space) } else { Err(LinearError::TooLarge) }
     }
 
-    fn new(
+    /// Columns on which the axes act by these matrices.
+    fn of(
         name: &'static str,
         matrices: Vec<RationalMatrix>,
         has_cayley: bool,
         terms: usize,
     ) -> &'static Self {
-        let rho = LinearMatrix::new(matrices.clone(), terms);
         let is_definite = InvariantForm::of(&matrices).is_some_and(|form| form.is_definite);
-        Self::with(name, matrices, (rho, terms), has_cayley, is_definite)
+        Self::new(name, LinearMatrix::new(matrices, terms), has_cayley, is_definite)
     }
 
-    fn with(
+    /// Columns on which the algebra acts by `ρ`, skew with respect to a definite form or not. Names and spaces live as
+    /// long as the process.
+    pub(super) fn new(
         name: &'static str,
-        matrices: Vec<RationalMatrix>,
-        (rho, terms): (LinearMatrix, usize),
+        rho: LinearMatrix,
         has_cayley: bool,
         is_definite: bool,
     ) -> &'static Self {
-        let n = matrices[0].rows;
+        let n = rho.matrices[0].rows;
         let coordinates: &'static [&'static str] =
             if n <= 4 { &["x", "y", "z", "w"][..n] } else { leaked((1..=n).map(|i| i.to_string())) };
         // the eigenvalue 2 is that of no matrix that is skew with respect to a definite form, or nilpotent
         let is_regular = rho.is_elliptic() || is_definite;
-        let space = Self { name, coordinates, matrices, rho, has_cayley, is_regular, terms, coarse: None };
-        // names and spaces live as long as the process
-        let coarse = (!space.rho.is_closed() && terms > FEW_TERMS).then(|| {
-            let rho = space.rho.with_terms(FEW_TERMS);
-            &*Box::leak(Box::new(Self { rho, ..space.clone() }))
-        });
-        Box::leak(Box::new(Self { coarse, ..space }))
+        Box::leak(Box::new(Self { name, coordinates, rho, has_cayley, is_regular }))
     }
 
     /// `1 − ρ_x/2`
@@ -117,7 +97,7 @@ impl Linear {
 impl Representation for Linear {
     fn names(&self) -> SpaceNames {
         let (name, coordinates) = (self.name, self.coordinates);
-        SpaceNames { name, coordinates, algebra_dimension: self.matrices.len() }
+        SpaceNames { name, coordinates, algebra_dimension: self.rho.matrices.len() }
     }
 
     fn act_infinitesimally<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
@@ -127,19 +107,19 @@ impl Representation for Linear {
     /// `φ₁(ρ_x) w`; for the Cayley map half the way before the rest, half of it after.
     fn translation<'a>(&self, f: MatrixFunction, x: &Vector<'a>, w: &Vector<'a>) -> Translation<'a> {
         match f {
-            MatrixFunction::Exponential => Translation::before(self.rho.series(x, 1, w)),
             MatrixFunction::Cayley => Translation::halves(w),
+            _ => Translation::before(self.rho.series((f, 1), x, w)),
         }
     }
 
     /// `exp(ρ_x) v`, or `2 (1 − ρ_x/2)⁻¹ v − v`
     fn transport<'a>(&self, f: MatrixFunction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
         match f {
-            MatrixFunction::Exponential => self.rho.series(x, 0, v),
             MatrixFunction::Cayley => {
                 let solved = self.one_minus_half(x).solve(v);
                 &solved.map(|component| component.scale(2)) - v
             }
+            _ => self.rho.series((f, 0), x, v),
         }
     }
 
@@ -153,7 +133,7 @@ impl Representation for Linear {
 
     fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vec<Expr<'a>> {
         match retraction {
-            Retraction::Exponential if !self.rho.is_closed() => {
+            Retraction::Exponential | Retraction::Coarse if !self.rho.is_closed() => {
                 let edge = Number::ratio(RADIUS.0, RADIUS.1).powi(2);
                 vec![x.0[0].arena().number(edge) - self.rho.squared_norm(x)]
             }
@@ -164,15 +144,11 @@ impl Representation for Linear {
 
     fn dual(&self) -> Option<&'static dyn Representation> {
         let negative = |matrix: &RationalMatrix| matrix.transpose().scaled(-Rational::one());
-        let matrices = self.matrices.iter().map(negative).collect();
+        let matrices = self.rho.matrices.iter().map(negative).collect();
         let name = match self.name.strip_prefix("dual(").and_then(|name| name.strip_suffix(')')) {
             Some(name) => name,
             None => format!("dual({})", self.name).leak(),
         };
-        Some(Self::new(name, matrices, self.has_cayley, self.terms))
-    }
-
-    fn coarse(&self) -> Option<&'static dyn Representation> {
-        self.coarse.map(|space| space as &dyn Representation)
+        Some(Self::of(name, matrices, self.has_cayley, self.rho.terms))
     }
 }

@@ -31,7 +31,9 @@ fn transformed<'a>(call: &mut Call<'_, 'a>, element: Element<'a>) -> Option<Valu
     let (value, expr) = &call.arguments[0];
     let of_points = call.method.to_string().ends_with("point");
     let image = match value {
-        Value::Vector(vector) if !of_points => element.turned(vector).map(Value::Vector),
+        Value::Vector(vector) if !of_points => {
+            element.group.act(&element.coordinates, vector).map(Value::Vector)
+        }
         Value::Point(point) if of_points => element.moved(point).map(Value::Point),
         _ => None,
     };
@@ -51,11 +53,6 @@ impl<'a> Element<'a> {
         Value::element(self.group, self.coordinates)
     }
 
-    /// The vector as the group acts on it, if it acts on such vectors.
-    fn turned(&self, vector: &Vector<'a>) -> Option<Vector<'a>> {
-        self.group.act(&self.coordinates, vector)
-    }
-
     /// The translation, of a rigid motion.
     fn translation(&self) -> Option<Vector<'a>> {
         match self.component("translation", false) {
@@ -71,14 +68,16 @@ impl<'a> Element<'a> {
 
     /// Where the group takes a point, if it acts on such points.
     fn moved(&self, point: &Vector<'a>) -> Option<Vector<'a>> {
-        let turned = self.turned(point)?;
+        let turned = self.group.act(&self.coordinates, point)?;
         Some(self.translation().map_or(turned.clone(), |translation| &turned + &translation))
     }
 
     /// `g p` or `g h`, and `g v` where it is all that the group does to a vector
     pub(in crate::language) fn times(&self, right: &Value<'a>) -> Option<Value<'a>> {
         match right {
-            Value::Vector(vector) if !self.moves_points() => self.turned(vector).map(Value::Vector),
+            Value::Vector(vector) if !self.moves_points() => {
+                self.group.act(&self.coordinates, vector).map(Value::Vector)
+            }
             Value::Point(point) => self.moved(point).map(Value::Point),
             Value::Element(other) if is_same(other.group, self.group) => {
                 let coordinates = self.group.compose(&self.coordinates, &other.coordinates);

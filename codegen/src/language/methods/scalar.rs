@@ -30,8 +30,14 @@ pub(super) static METHODS: &[Method] = &[
     method("sinh", &[], |call| elementary(call, Function::Sinh)),
     method("cosh", &[], |call| elementary(call, Function::Cosh)),
     method("tanh", &[], |call| elementary(call, Function::Tanh)),
-    method("hypot", &["x"], hypot),
-    method("mul_add", &["a", "b"], mul_add),
+    method("hypot", &["x"], |call| {
+        let (a, b) = (receiver(call)?, call.scalar(0)?);
+        Some(Value::Scalar((a * a + b * b).sqrt()))
+    }),
+    method("mul_add", &["a", "b"], |call| {
+        let (factor, summand) = (call.scalar(0), call.scalar(1));
+        Some(Value::Scalar(receiver(call)? * factor? + summand?))
+    }),
 ];
 
 fn receiver<'a>(call: &Call<'_, 'a>) -> Option<Expr<'a>> {
@@ -91,14 +97,4 @@ fn integer_power<'a>(call: &mut Call<'_, 'a>, exponent: i64) -> Option<Value<'a>
 fn too_high<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
     let message = format!("this exponent is too large; the largest is {}", limits::EXPONENT);
     call.fail(call.arguments[0].1, message)
-}
-
-fn hypot<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
-    let (a, b) = (receiver(call)?, call.scalar(0)?);
-    Some(Value::Scalar((a * a + b * b).sqrt()))
-}
-
-fn mul_add<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
-    let (factor, summand) = (call.scalar(0), call.scalar(1));
-    Some(Value::Scalar(receiver(call)? * factor? + summand?))
 }

@@ -8,12 +8,19 @@ use crate::limits::DETERMINANT;
 
 pub(super) static VECTOR_METHODS: &[Method] = &[
     method("dot", &["&other"], dot),
-    method("cross", &["&other"], cross),
+    method("cross", &["&other"], |call| {
+        let vector = three(call)?;
+        let other = Vector(call.like_receiver(0)?.entries);
+        Some(Value::Vector(vector.cross(&other)))
+    }),
     method("norm", &[], norm),
     method("norm_squared", &[], norm_squared),
     method("magnitude", &[], norm),
     method("magnitude_squared", &[], norm_squared),
-    method("normalize", &[], normalize),
+    method("normalize", &[], |call| {
+        let entries = entries(call)?;
+        divided(call, entries.dot(&entries).sqrt())
+    }),
     method("component_mul", &["&other"], component_mul),
     method("component_div", &["&other"], component_div),
     method("sum", &[], sum),
@@ -21,18 +28,45 @@ pub(super) static VECTOR_METHODS: &[Method] = &[
     method("unscale", &["divisor"], unscale),
     method("transpose", &[], transpose),
     method("tr_mul", &["&other"], tr_mul),
-    method("cross_matrix", &[], cross_matrix),
+    method("cross_matrix", &[], |call| {
+        let zero = call.arena.zero();
+        let [x, y, z] = three(call)?.0[..] else { return None };
+        Some(Value::Matrix(Matrix::new(3, 3, vec![zero, -z, y, z, zero, -x, -y, x, zero])))
+    }),
 ];
 
 pub(super) static MATRIX_METHODS: &[Method] = &[
     method("transpose", &[], transpose),
     method("tr_mul", &["&other"], tr_mul),
-    method("trace", &[], trace),
-    method("determinant", &[], determinant),
+    method("trace", &[], |call| {
+        let matrix = square(call)?;
+        let zero = call.arena.zero();
+        Some(Value::Scalar((0..matrix.rows).fold(zero, |sum, i| sum + matrix.at(i, i))))
+    }),
+    method("determinant", &[], |call| {
+        let matrix = square(call)?;
+        if matrix.rows > DETERMINANT {
+            let message = format!("determinants are supported up to {DETERMINANT} rows");
+            return call.fail(call.method, message);
+        }
+        Some(Value::Scalar(matrix.determinant()))
+    }),
     method("try_inverse", &[], try_inverse),
-    method("diagonal", &[], diagonal),
-    method("row", &["i"], row),
-    method("column", &["j"], column),
+    method("diagonal", &[], |call| {
+        let matrix = call.receiver.as_matrix()?;
+        let length = matrix.rows.min(matrix.columns);
+        Some(Value::Vector(Vector((0..length).map(|i| matrix.at(i, i)).collect())))
+    }),
+    method("row", &["i"], |call| {
+        let matrix = call.receiver.as_matrix()?;
+        let i = place(call, matrix.rows)?;
+        Some(Value::of_matrix(Matrix::new(1, matrix.columns, matrix.row(i).0)))
+    }),
+    method("column", &["j"], |call| {
+        let matrix = call.receiver.as_matrix()?;
+        let j = place(call, matrix.columns)?;
+        Some(Value::Vector(matrix.column(j)))
+    }),
     method("dot", &["&other"], dot),
     method("norm", &[], norm),
     method("norm_squared", &[], norm_squared),
@@ -50,18 +84,6 @@ fn entries<'a>(call: &Call<'_, 'a>) -> Option<Vector<'a>> {
 fn dot<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
     let other = Vector(call.like_receiver(0)?.entries);
     Some(Value::Scalar(entries(call)?.dot(&other)))
-}
-
-fn cross<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
-    let vector = three(call)?;
-    let other = Vector(call.like_receiver(0)?.entries);
-    Some(Value::Vector(vector.cross(&other)))
-}
-
-fn cross_matrix<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
-    let zero = call.arena.zero();
-    let [x, y, z] = three(call)?.0[..] else { return None };
-    Some(Value::Matrix(Matrix::new(3, 3, vec![zero, -z, y, z, zero, -x, -y, x, zero])))
 }
 
 /// The receiver, which must be a vector of three.
@@ -83,11 +105,6 @@ fn norm_squared<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
 fn norm<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
     let entries = entries(call)?;
     Some(Value::Scalar(entries.dot(&entries).sqrt()))
-}
-
-fn normalize<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
-    let entries = entries(call)?;
-    divided(call, entries.dot(&entries).sqrt())
 }
 
 fn unscale<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
@@ -155,27 +172,6 @@ fn square<'a>(call: &mut Call<'_, 'a>) -> Option<Matrix<'a>> {
     }
 }
 
-fn trace<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
-    let matrix = square(call)?;
-    let zero = call.arena.zero();
-    Some(Value::Scalar((0..matrix.rows).fold(zero, |sum, i| sum + matrix.at(i, i))))
-}
-
-fn diagonal<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
-    let matrix = call.receiver.as_matrix()?;
-    let length = matrix.rows.min(matrix.columns);
-    Some(Value::Vector(Vector((0..length).map(|i| matrix.at(i, i)).collect())))
-}
-
-fn determinant<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
-    let matrix = square(call)?;
-    if matrix.rows > DETERMINANT {
-        let message = format!("determinants are supported up to {DETERMINANT} rows");
-        return call.fail(call.method, message);
-    }
-    Some(Value::Scalar(matrix.determinant()))
-}
-
 /// The inverse by cofactors, as nalgebra computes it: the adjugate over the determinant. Where the determinant is zero,
 /// the entries are not finite.
 fn try_inverse<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
@@ -199,18 +195,6 @@ fn cofactor<'a>(matrix: &Matrix<'a>, row: usize, column: usize) -> Expr<'a> {
     let kept = |without: usize| (0..matrix.rows).filter(|&k| k != without).collect::<Vec<_>>();
     let minor = matrix.minor(&kept(row), &kept(column));
     if (row + column).is_multiple_of(2) { minor } else { -minor }
-}
-
-fn row<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
-    let matrix = call.receiver.as_matrix()?;
-    let i = place(call, matrix.rows)?;
-    Some(Value::of_matrix(Matrix::new(1, matrix.columns, matrix.row(i).0)))
-}
-
-fn column<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
-    let matrix = call.receiver.as_matrix()?;
-    let j = place(call, matrix.columns)?;
-    Some(Value::Vector(matrix.column(j)))
 }
 
 /// The argument, which must be an index below a bound.

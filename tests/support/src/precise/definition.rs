@@ -48,7 +48,7 @@ pub trait Realization: Sync {
         let rho = self.action(name, x);
         let one = Matrix::identity(rho.rows());
         match retraction {
-            Retraction::Exponential => rho.phi1(),
+            Retraction::Exponential | Retraction::Coarse => rho.phi1(),
             Retraction::Cayley => (&one - &rho.scale(&Real::ratio(1, 2))).inverse(),
             Retraction::SecondKind => self.transport(retraction, name, x),
             Retraction::ReversedSecondKind => one,
@@ -376,7 +376,7 @@ pub fn retract(retraction: Retraction, x: &Column, hat: impl Fn(&Column) -> Matr
     let along = |axis: usize| hat(&Column::unit(x.len(), axis).scale(&x[axis])).exp();
     let axes = 0..x.len();
     match retraction {
-        Retraction::Exponential => hat(x).exp(),
+        Retraction::Exponential | Retraction::Coarse => hat(x).exp(),
         Retraction::Cayley => hat(x).cayley(),
         Retraction::SecondKind => axes.fold(one, |product, axis| &product * &along(axis)),
         Retraction::ReversedSecondKind => axes.fold(one, |product, axis| &along(axis) * &product),

@@ -292,11 +292,12 @@ pub fn random_point(system: &System<'_>, seed: u64) -> Point {
 /// Gives the symbols of an inertia values that are dominated by a diagonal of distinct moments.
 fn positive_definite(point: &mut Point, field: &InertiaField<'_>) {
     // one number stands in all rows
-    let rows = if field.shape == InertiaShape::Scalar { 1 } else { field.matrix.rows };
+    let rows = if field.described.shape == InertiaShape::Scalar { 1 } else { field.matrix.rows };
     for i in 0..rows {
         for j in 0..=i {
             let symbol = field.matrix.at(i, j).as_symbol();
-            let Some(symbol) = symbol.filter(|_| i == j || field.shape == InertiaShape::Matrix) else {
+            let Some(symbol) = symbol.filter(|_| i == j || field.described.shape == InertiaShape::Matrix)
+            else {
                 continue;
             };
             let scattered = point.value(symbol) / Real::from(4);

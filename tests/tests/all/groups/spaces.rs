@@ -3,7 +3,7 @@
 use coadjoint_codegen::expr::{Arena, Number, Stage, Vector, gradient};
 use coadjoint_codegen::group::casimirs::{Casimirs, Polynomial, casimirs};
 use coadjoint_codegen::group::{
-    Adjoint, Dual, Group, MatrixFunction, Representation, Semidirect, SemidirectVector, Structure,
+    Acted, Adjoint, Dual, Group, MatrixFunction, Representation, Semidirect, SemidirectVector, Structure,
     Translation, catalogue,
 };
 use coadjoint_support::precise::definition::{SemidirectMatrices, retract};
@@ -54,18 +54,17 @@ fn spaces_are_representations() {
 fn retractions_move_spaces() {
     for_each_space(|subject, space, residuals| {
         let (n, v) = (subject.dimension(), space.coordinates().len());
-        let product = Semidirect { group: subject.group, spaces: vec![space] };
+        let acted = Acted { group: subject.group, space };
         for retraction in subject.retractions().filter(|&retraction| space.has(retraction)) {
-            let transport =
-                Formula::new(subject.arena, [n, v], |[x, u]| product.transport(0, retraction, &x, &u));
+            let transport = Formula::new(subject.arena, [n, v], |[x, u]| acted.transport(retraction, &x, &u));
             let translate = Formula::new(subject.arena, [n, v], |[x, w]| {
-                let Translation { body_part, rotated_part, .. } = product.translation(0, retraction, &x, &w);
+                let Translation { body_part, rotated_part, .. } = acted.translation(retraction, &x, &w);
                 let by_x = rotated_part.jacobian(&x.symbols());
                 assert!(
                     by_x.entries.iter().all(|entry| entry.is_zero()),
                     "what is rotated depends on w alone"
                 );
-                &body_part + &product.transport(0, retraction, &x, &rotated_part)
+                &body_part + &acted.transport(retraction, &x, &rotated_part)
             });
             for x in subject.points() {
                 let turn = subject.definition.transport(retraction, space.name(), &x);
@@ -192,8 +191,7 @@ fn semidirect_products_derive_their_logarithmic_derivatives_and_coadjoint_action
             let spaces = |mu: &Column| mu.part(algebra.group.dimension(), n - algebra.group.dimension());
             let carried_spaces = Formula::new(&arena, [n, n], |[xi, mu]| {
                 let (x, a) = (element(&algebra, &xi).base, element(&algebra, &mu).spaces);
-                let carry = |(space, a)| algebra.carry(space, retraction, &x, a).0;
-                Vector(a.iter().enumerate().flat_map(carry).collect())
+                Vector::concat(&algebra.carry(retraction, &x, &a))
             });
             let dual = Formula::new(&arena, [n, n], |[xi, mu]| {
                 components(&algebra.d_right_dual(
