@@ -77,9 +77,9 @@ impl Canvas {
             Anchor::Middle => 0.5 * length,
             Anchor::End => length,
         };
-        let turn = Angle::from_degrees(if text.upwards { -90.0 } else { 0.0 });
-        let Vector { x, y } = vector(text.at);
-        let place = Transform::translation(-back, 0.0).then_rotate(turn).then_translate(x, y);
+        let turn = Transform::rotation(Angle::from_degrees(if text.upwards { -90.0 } else { 0.0 }));
+        let start = vector(text.at) - turn.transform_vector(Vector::new(back, 0.0));
+        let place = turn.then_translate(start.x, start.y);
         let outline = font::outline(&text.text, text.size);
         let path: Path = outline.iter().map(|command| command.transform(&place)).collect();
         self.fill(&path, zeno::Fill::NonZero, text.color, 1.0);

@@ -127,6 +127,14 @@ fn bands_are_as_dark_in_the_key_as_in_the_picture() {
     assert_eq!(svg.matches("<polygon").count(), 3 + 1 + 2 + 3);
 }
 
+/// Reads a picture by another program's reader.
+#[cfg(feature = "png")]
+fn decoded(file: Vec<u8>) -> (::png::OutputInfo, Vec<u8>) {
+    let mut reader = ::png::Decoder::new(std::io::Cursor::new(file)).read_info().expect("a picture");
+    let mut pixels = vec![0; reader.output_buffer_size().expect("small")];
+    (reader.next_frame(&mut pixels).expect("a picture"), pixels)
+}
+
 /// Where a picture has ink as pixels it has it as SVG.
 #[cfg(feature = "png")]
 #[test]
@@ -137,11 +145,7 @@ fn pixels_show_what_the_picture_shows() {
     let line = all(&svg, "<polyline class=\"stroke-rk4\" points=\"")[0];
     let (x, y) = line.split(' ').next().and_then(|point| point.split_once(',')).expect("a point");
     let [x, y] = [x, y].map(|number| number.parse::<f64>().expect("a number"));
-    let file = figure.picture(Kind::Png);
-    // another program's reader
-    let mut reader = ::png::Decoder::new(std::io::Cursor::new(file)).read_info().expect("a picture");
-    let mut pixels = vec![0; reader.output_buffer_size().expect("small")];
-    let info = reader.next_frame(&mut pixels).expect("a picture");
+    let (info, pixels) = decoded(figure.picture(Kind::Png));
     assert_eq!((info.width % 2, info.height % 2), (0, 0));
     assert_eq!(info.color_type, ::png::ColorType::Rgb);
     let at = |x: f64, y: f64| {
@@ -152,4 +156,27 @@ fn pixels_show_what_the_picture_shows() {
     assert_eq!(at(x + 50.0, y + 10.0), [255; 3]);
     // the line ends after a second
     assert_eq!(at(x + 100.0, y + 10.0), [255; 3]);
+}
+
+/// A text that is read upwards is as pixels where it is as SVG: about its place, and as long as its letters.
+#[cfg(feature = "png")]
+#[test]
+fn pixels_show_texts_at_their_places() {
+    let label = "a label";
+    let figure = figure(vec![panel("", Axis::linear(label), Color::X, Style::Line, &[0.0, 1.0])]);
+    let svg = figure.svg();
+    let text = svg.lines().find(|line| line.contains("rotate(-90)")).expect("it is written");
+    let (x, y) = all(text, "translate(")[0].split_once(' ').expect("a place");
+    let [x, y] = [x, y.split(')').next().expect("y")].map(|number| number.parse::<f64>().expect("a number"));
+    let (info, pixels) = decoded(figure.picture(Kind::Png));
+    // the letters' rows stand left of the place where they begin
+    let columns = (2.0 * (x - 10.0)) as usize..(2.0 * x) as usize;
+    let is_ink = |row: usize, column: usize| pixels[(row * info.width as usize + column) * 3] < 128;
+    let rows: Vec<f64> = (0..info.height as usize)
+        .filter(|&row| columns.clone().any(|column| is_ink(row, column)))
+        .map(|row| row as f64 / 2.0)
+        .collect();
+    let (first, last) = (rows[0], rows[rows.len() - 1]);
+    assert!((0.5 * (first + last) - y).abs() < 1.5, "{first} {last} {y}");
+    assert!((last - first - font::width(label, 14.0)).abs() < 3.0, "{first} {last}");
 }
