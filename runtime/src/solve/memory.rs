@@ -1,8 +1,8 @@
 //! What a step remembers of the ones before it: it saves time, and nothing else.
 
-use super::constants::{HARDLY, INTERVALS, SHARP, STRONG, TERMS, TOLERANCE};
+use super::constants::{HARDLY, INTERVALS, SHARP, STRONG, TOLERANCE};
 use super::predictor::Predictor;
-use crate::scalar::{Batch, Components, Mask, Real, Scalar};
+use crate::scalar::{Batch, Components, Mask, Real};
 
 /// What is remembered of the solutions of earlier steps.
 #[derive(Clone, Copy)]
@@ -13,10 +13,6 @@ pub(super) struct Memory<T: Batch, U> {
     pub(super) rate: T,
     /// The relative change of an iteration that may be the last; negative where iterations do not contract strongly.
     pub(super) tolerance: T,
-    /// By how much larger than the unknown the terms are that cancel to it, where that is most; from 1 to [`TERMS`]'s last.
-    terms: T,
-    /// One in lanes in which predictions have been off by rounding, and by more than the tolerance, since the last measurement.
-    missed: T,
     /// Steps until the next measurement of the rate.
     due: u16,
     /// Steps from the next measurement to the one after it.
@@ -31,8 +27,6 @@ impl<T: Batch, U: Components<T>> Default for Memory<T, U> {
             predictor: Predictor::default(),
             rate: T::of(STRONG),
             tolerance: T::of(TOLERANCE[0] * T::EPSILON),
-            terms: T::of(1.0),
-            missed: T::of(0.0),
             due: INTERVALS[0],
             interval: INTERVALS[0],
             is_ready: U::LENGTH == 0,
@@ -92,56 +86,26 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
         self.predictor.forget();
         (self.due, self.interval) = (INTERVALS[0], INTERVALS[0]);
         (self.rate, self.tolerance) = (T::of(STRONG), T::of(TOLERANCE[0] * T::EPSILON));
-        (self.terms, self.missed) = (T::of(1.0), T::of(0.0));
         self.is_ready = U::LENGTH == 0;
     }
 
-    /// Remembers a step that was not on the fast path: its solution, the rate of contraction as it was seen, and the iterations. Returns whether the
-    /// terms are to be measured.
+    /// Remembers a step that needed more than one iteration: its solution, and the rate of contraction as it was seen.
     #[inline(always)]
-    pub(super) fn learn(
-        &mut self,
-        blocks: &[usize],
-        solution: &U,
-        rate: T,
-        iterations: &T::Each<u32>,
-    ) -> bool {
+    pub(super) fn learn(&mut self, blocks: &[usize], solution: &U, rate: T) {
         if const { U::LENGTH == 0 } {
-            return false;
+            return;
         }
         if !rate.is_same(self.rate).all() {
-            self.rate = rate;
-            self.tolerance = tolerance(rate, self.terms);
+            (self.rate, self.tolerance) = (rate, tolerance(rate));
         }
-        let is_near = self.predictor.learn(blocks, solution);
-        let mut is_wanted = false;
         if self.due == 0 {
             self.due = self.interval;
             self.interval = (4 * self.interval).min(INTERVALS[1]);
-            is_wanted = T::of(1.0).lt(self.terms + self.missed).any();
         } else {
-            if is_near.any() {
-                let mut lane = 0;
-                while lane < T::LANES {
-                    if is_near.lane(lane) && iterations.as_ref()[lane] > 1 {
-                        self.missed.set_lane(lane, Scalar::of(1.0));
-                    }
-                    lane += 1;
-                }
-            }
             self.due -= 1;
         }
+        self.predictor.learn(blocks, solution);
         self.settle();
-        is_wanted
-    }
-
-    /// Takes how much larger the terms are than the unknown, in lanes where that is asked for.
-    pub(super) fn measured(&mut self, terms: T) {
-        let [share, most] = TERMS;
-        let is_wanted = T::of(1.0).lt(self.terms + self.missed);
-        self.terms = T::select(is_wanted, clamped(T::of(share) * terms, [1.0, most]), self.terms);
-        self.missed = T::of(0.0);
-        self.tolerance = tolerance(self.rate, self.terms);
     }
 
     fn settle(&mut self) {
@@ -156,20 +120,17 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
         // the same in all lanes
         let [due, interval] = [numbers[0].lane(0).to_f64() as u16, numbers[1].lane(0).to_f64() as u16];
         (self.due, self.interval) = (due, interval.min(INTERVALS[1]));
-        let mut numbers = [self.rate, self.terms, self.missed];
-        visit(&mut numbers);
-        [self.rate, self.terms, self.missed] = numbers;
-        self.tolerance = tolerance(self.rate, self.terms);
+        visit(core::slice::from_mut(&mut self.rate));
+        self.tolerance = tolerance(self.rate);
         self.settle();
     }
 }
 
-/// The relative change of an iteration that may be the last, where iterations contract by this factor, and terms are so much larger.
+/// The relative change of an iteration that may be the last, where iterations contract by this factor.
 #[inline(always)]
-pub(super) fn tolerance<T: Batch>(rate: T, terms: T) -> T {
+pub(super) fn tolerance<T: Batch>(rate: T) -> T {
     let [least, most, _] = TOLERANCE;
-    let units = least_of(T::of(most) * terms, T::of(HARDLY) / (rate * rate));
-    let units = T::select(units.lt(T::of(least)), T::of(least), units);
+    let units = clamped(T::of(HARDLY) / (rate * rate), [least, most]);
     T::select(rate.le(T::of(STRONG)), T::of(T::EPSILON) * units, T::of(-1.0))
 }
 
@@ -182,11 +143,6 @@ pub(super) fn rate<T: Batch>([last, now]: [T; 2]) -> T {
 /// No closure, which would not be compiled for the processor that the caller is compiled for.
 #[inline(always)]
 fn clamped<T: Batch>(x: T, [least, most]: [f64; 2]) -> T {
-    let x = least_of(T::of(most), x);
+    let x = T::select(T::of(most).lt(x), T::of(most), x);
     T::select(x.lt(T::of(least)), T::of(least), x)
-}
-
-#[inline(always)]
-fn least_of<T: Batch>(most: T, x: T) -> T {
-    T::select(most.lt(x), most, x)
 }

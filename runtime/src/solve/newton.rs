@@ -88,7 +88,7 @@ fn is_rounding<T: Batch>(residual: T, moved: T) -> T::Mask {
 
 /// What rounding leaves of the residual in these lanes.
 #[inline(always)]
-pub(super) fn roundoff<T: Batch, K: Kernel<T>>(
+fn roundoff<T: Batch, K: Kernel<T>>(
     equation: &AtState<'_, T, K>,
     unknown: &K::Unknown,
     lanes: T::Mask,

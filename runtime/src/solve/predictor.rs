@@ -141,20 +141,16 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     }
 
     /// Takes one more solution, whatever there is. Where a few of the earlier solutions predict it better than all, as where a control has jumped,
-    /// the others are forgotten. Returns the lanes in which all predicted it, but for little.
+    /// the others are forgotten.
     #[inline(always)]
-    pub(super) fn learn(&mut self, blocks: &[usize], solution: &U) -> T::Mask {
-        let [one, low, full] = [1.0, LOW as f64, WINDOW as f64].map(T::of);
-        let mut is_near = full.le(self.count);
-        if is_near.any() {
-            is_near = is_near & is_within::<T, _>(blocks, &self.next, solution, T::of(SMALL));
-        }
-        if is_near.all() {
+    pub(super) fn learn(&mut self, blocks: &[usize], solution: &U) {
+        if self.is_full && is_within::<T, _>(blocks, &self.next, solution, T::of(SMALL)).all() {
             let begun = self.begun::<Portable>(self.oldest);
             self.push(solution);
             self.next = Self::then(&begun, solution);
-            return is_near;
+            return;
         }
+        let [one, low, full] = [1.0, LOW as f64, WINDOW as f64].map(T::of);
         let weights = &weights::<T, _>(blocks, solution);
         let off = weighted::<T, _>(weights, &self.next, solution);
         let known = T::select(off.le(T::of(LOST)), self.count, T::of(0.0));
@@ -168,7 +164,6 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         }
         self.push(solution);
         self.predict();
-        is_near
     }
 
     /// Predicts the next solution.

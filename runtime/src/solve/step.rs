@@ -1,14 +1,14 @@
 //! A step that is one equation, from its kernel: the whole story.
 
 use super::memory::Memory;
-use super::newton::{Newton, roundoff};
+use super::newton::Newton;
 use super::predictor::{Guess, Predictor};
 use super::rescue::{Rescue, Rescued};
 use super::{Solution, SolutionOf, fixed_point};
 use crate::error::StepError;
 use crate::kernel::{self, AtState, Kernel, finite, is_inside, is_surely_finite};
 use crate::method::{AdvanceN, Advanced, Clock, Failure, Method, Outcome, StepsReport};
-use crate::scalar::blocks::{is_within, relative, select};
+use crate::scalar::blocks::{is_within, select};
 use crate::scalar::simd::lanes::{Portable, Processor};
 use crate::scalar::simd::loads::{apart, apart_here, one_by_one};
 use crate::scalar::{Batch, Components, Mask, Scalar, Work};
@@ -250,13 +250,13 @@ impl<T: Batch, K: Kernel<T>> Work for SlowPath<'_, T, K> {
             let Solution { iterations, residual, .. } = solution;
             let advanced = Advanced { state: next, iterations, residual };
             if good.all() {
-                learn(equation, memory, &solution);
+                memory.learn(K::BLOCKS, &solution.unknown, solution.rate);
                 return Ok(advanced);
             }
             let given = finite(state) & finite(control) & time.is_finite();
             if is_rescued {
                 if good.any() {
-                    learn(equation, memory, &solution);
+                    memory.learn(K::BLOCKS, &solution.unknown, solution.rate);
                 } else {
                     memory.forget();
                 }
@@ -358,45 +358,9 @@ fn advanced<T: Batch, K: Kernel<T>>(
     if !accepted.good.all() {
         return None;
     }
-    learn(equation, memory, solution);
+    memory.learn(K::BLOCKS, &solution.unknown, solution.rate);
     let Solution { iterations, residual, .. } = *solution;
     Some(Advanced { state: accepted.next, iterations, residual })
-}
-
-/// Remembers a solution, and from time to time, where it is of use, how much larger its terms are.
-#[inline(always)]
-fn learn<T: Batch, K: Kernel<T>>(
-    equation: &AtState<'_, T, K>,
-    memory: &mut Memory<T, K::Unknown>,
-    solution: &SolutionOf<T, K>,
-) {
-    let Solution { unknown, rate, iterations, .. } = solution;
-    if memory.learn(K::BLOCKS, unknown, *rate, iterations) {
-        // copies, so that nothing else needs addresses
-        let AtState { kernel, state, step } = *equation;
-        let (unknown, state, step) = (*unknown, *state, *step);
-        let equation = &AtState { kernel, state: &state, step: &step };
-        T::dispatch(MeasureTerms { equation, memory, unknown: &unknown });
-    }
-}
-
-/// Measures how much larger than the unknown the terms are that cancel to it.
-struct MeasureTerms<'a, T: Batch, K: Kernel<T>> {
-    equation: &'a AtState<'a, T, K>,
-    memory: &'a mut Memory<T, K::Unknown>,
-    unknown: &'a K::Unknown,
-}
-
-impl<T: Batch, K: Kernel<T>> Work for MeasureTerms<'_, T, K> {
-    type CallSite = K;
-    type Result = ();
-
-    #[inline(always)]
-    fn done(self) {
-        let Self { equation, memory, unknown } = self;
-        let rounding = roundoff(equation, unknown, T::Mask::splat(true));
-        memory.measured(relative::<T, _>(K::BLOCKS, &rounding, unknown) * T::of(1.0 / T::EPSILON));
-    }
 }
 
 /// The end of a step from the solution of its equation.
