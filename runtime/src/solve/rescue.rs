@@ -91,7 +91,15 @@ impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
         // fixed weights: how large the terms are in the beginning
         let terms = self.rounding(self.start);
         if !finite::<T, _>(&terms).lane(self.lane) {
-            return (Err(StepError::NotFinite), false);
+            let Evaluation { residual, right, .. } = self.equation.corrected(self.start, None);
+            let left = self.size(relative::<T, _>(self.blocks, &residual, &right));
+            // or rounding may leave anything of them, which nothing solves
+            let error = if left.is_finite() {
+                StepError::NoSolution { residual: left }
+            } else {
+                StepError::NotFinite
+            };
+            return (Err(error), false);
         }
         let (mut unknown, mut trial, mut correction) = (*self.start, *self.start, *self.start);
         let (mut smallest, mut left, mut scale, mut is_direct) = (f64::INFINITY, f64::INFINITY, 1.0, true);
