@@ -166,9 +166,7 @@ fn table() -> Vec<String> {
     let spinning = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![1.0, 1.0, 1.0] };
     for step in [0.003, 0.01, 0.02, 0.03, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0] {
         let stepper = body.stepper::<Cayley>(step).expect("a body");
-        table.push(run(&format!("body, h = {step}"), stepper, spinning.clone(), 3000, |_| {
-            NoControl::default()
-        }));
+        table.push(run(&format!("body, h = {step}"), stepper, spinning, 3000, |_| NoControl::default()));
     }
     let top = Top { inertia: vector![1.0, 2.0, 3.0], weight: 2.0, chi: vector![0.3, 0.2, 1.0] };
     let start = TopState {
@@ -178,7 +176,7 @@ fn table() -> Vec<String> {
     };
     for step in [0.01, 0.1, 0.3, 0.6] {
         let stepper = top.stepper::<Cayley>(step).expect("a top");
-        table.push(run(&format!("top, h = {step}"), stepper, start.clone(), 1000, |_| NoControl::default()));
+        table.push(run(&format!("top, h = {step}"), stepper, start, 1000, |_| NoControl::default()));
     }
     let craft = Craft { inertia: vector![0.03, 0.03, 0.04], mass: 1.0, gravity: 9.81 };
     let hover = CraftState {
@@ -191,11 +189,9 @@ fn table() -> Vec<String> {
         let mut numbers = Numbers(1);
         let stepper = craft.stepper::<Cayley>(0.01).expect("a craft");
         // jumps for a while, and then no more
-        table.push(run(&format!("craft, jumps of {size}"), stepper, hover.clone(), 1000, |step| {
-            CraftControl {
-                moment: if step < 500 { 0.01 * size * numbers.vector() } else { Vector3::zeros() },
-                thrust: 9.81,
-            }
+        table.push(run(&format!("craft, jumps of {size}"), stepper, hover, 1000, |step| CraftControl {
+            moment: if step < 500 { 0.01 * size * numbers.vector() } else { Vector3::zeros() },
+            thrust: 9.81,
         }));
     }
     let links = Links { gravity: 9.81 };
@@ -207,9 +203,7 @@ fn table() -> Vec<String> {
     };
     for step in [0.001, 0.01, 0.05, 0.1, 0.2] {
         let stepper = links.stepper::<Cayley>(step).expect("links");
-        table.push(run(&format!("links, h = {step}"), stepper, hanging.clone(), 1000, |_| {
-            NoControl::default()
-        }));
+        table.push(run(&format!("links, h = {step}"), stepper, hanging, 1000, |_| NoControl::default()));
     }
     let sensors = Sensors { gravity: vector![0.0, 0.0, -9.81] };
     let mut element = SMatrix::<f64, 5, 5>::identity();
@@ -217,7 +211,7 @@ fn table() -> Vec<String> {
     let momentum = SVector::<f64, 9>::from_fn(|k, _| 0.03 * k as f64 - 0.1);
     let stepper = sensors.stepper::<Cayley>(0.01).expect("sensors");
     let felt = SensorsControl { gyroscope: vector![0.0, 0.0, 0.1], accelerometer: vector![0.0, 2.0, 9.81] };
-    table.push(run("sensors", stepper, SensorsState { element, momentum }, 3000, |_| felt.clone()));
+    table.push(run("sensors", stepper, SensorsState { element, momentum }, 3000, |_| felt));
 
     for (name, inertia) in [
         ("thick", vector![1.0, 2.0, 2.5]),
