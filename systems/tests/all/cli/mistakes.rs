@@ -120,7 +120,7 @@ fn bad_input_is_refused_with_a_message() {
         (&["run", "--config", "order.toml"], 2, "order must be 2, 4, 6, 8 or 10, got 5"),
         (&["run", "--config", "key.toml"], 2, "unknown field `stpe`"),
         (&["run", "--config", "every.toml"], 2, "`every` must be 1 or more"),
-        (&["run", "kepler", "--config", "order.toml"], 2, "describes a run of `heavy_top`, not of `kepler`"),
+        (&["run", "kepler", "--config", "rk4.toml"], 2, "describes a run of `heavy_top`, not of `kepler`"),
         (&["run", "--config", "system.toml"], 2, "did you mean `heavy_top`?"),
         (&["init", "heavy_tpo"], 2, "did you mean `heavy_top`?"),
         (
