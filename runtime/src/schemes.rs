@@ -115,7 +115,7 @@ impl<C: Coefficients + 'static, M: SchemeType> SchemeType for Composed<C, M> {
 pub(crate) type Part = (RetractionKind, Rule, f64);
 
 impl Scheme {
-    /// Returns the member `s = numerator/denominator` of the [family](Family).
+    /// Returns the member `s = numerator/denominator` of the [family](crate::scheme::Family).
     pub const fn member(map: RetractionKind, numerator: u32, denominator: u32) -> Self {
         Self::Step(map, Rule::Member(numerator, denominator))
     }
