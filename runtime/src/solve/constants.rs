@@ -55,7 +55,7 @@ pub(super) const PARTS: [u32; 4] = [1, 4, 16, 64];
 pub(super) const EVALUATIONS: u32 = 8;
 /// Evaluations of the last part, or of the whole: as many as Newton's method may need that wanders before it converges.
 pub(super) const WANDERING: u32 = 60;
-/// How far the last part of a path leads, relative to the unknown, at most.
+/// How far the last part of a path leads, or the whole one where it has one part, relative to the unknown, at most.
 pub(super) const STRIDE: f64 = 0.25;
 /// What is left of a correction relative to the unknown where the next part may begin.
 pub(super) const ON_THE_WAY: f64 = 1e-3;
