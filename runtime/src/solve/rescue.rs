@@ -129,7 +129,7 @@ impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
 
     /// The solution to which Newton's method and a path in many parts both lead, wherever corrections lead between.
     fn agreed(&self) -> Option<Rescued<T, U>> {
-        let direct = self.newton(*self.start, 0, Newton::Wandering)?;
+        let direct = self.newton(*self.start, 0, false, Newton::Wandering)?;
         // finer than before, as nothing else has led there
         let continued = PARTS.iter().find_map(|parts| self.continued(4 * parts, Newton::Wandering))?;
         self.is_same(&direct.unknown, &continued.unknown).then_some(direct)
@@ -159,11 +159,11 @@ impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
                 }
             }
         }
-        self.newton(unknown, evaluations, last)
+        self.newton(unknown, evaluations, parts > 1, last)
     }
 
-    /// The solution to which Newton's method leads from there, after so many evaluations.
-    fn newton(&self, from: U, before: u32, way: Newton) -> Option<Rescued<T, U>> {
+    /// The solution to which Newton's method leads from there, after so many evaluations: from its first approximation, or as the last part of a path.
+    fn newton(&self, from: U, before: u32, is_part: bool, way: Newton) -> Option<Rescued<T, U>> {
         let mut unknown = from;
         let mut last = f64::INFINITY;
         for evaluations in 1..=WANDERING {
@@ -171,7 +171,7 @@ impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
             if let Some(residual) = self.solved(&residual, &unknown) {
                 // what leads farther than a part of a path does may have come to another one
                 let far = self.size(relative::<T, _>(self.blocks, &less(&unknown, &from), &unknown));
-                let is_on_path = before == 0 || far <= STRIDE;
+                let is_on_path = !is_part || far <= STRIDE;
                 return is_on_path.then_some(Rescued {
                     unknown,
                     residual,
