@@ -127,6 +127,13 @@ impl<S: Discretized<M>, M, T: Batch> Method for Compensation<S, M, T> {
         }
     }
 
+    fn set_inputs(&mut self, inputs: Option<&mut dyn FnMut(f64) -> Self::Control>) {
+        match inputs {
+            Some(at) => self.base.set_inputs(Some(&mut |share| widened(&at(share)))),
+            None => self.base.set_inputs(None),
+        }
+    }
+
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
         let mut parts = |numbers: &mut [Wide<T>]| {
             for number in numbers {

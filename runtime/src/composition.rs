@@ -205,12 +205,15 @@ pub struct Composition<C: Coefficients, B: Method> {
     pub(crate) step: B::Scalar,
     /// Whether all steps remember solutions of one and the same composed step.
     whole: bool,
+    /// The control over each step, where it is driven.
+    inputs: Option<C::Steps<B::Control>>,
 }
 
 impl<C: Coefficients, B: Method> Clone for Composition<C, B> {
     #[inline]
     fn clone(&self) -> Self {
-        Self { steps: self.steps.clone(), step: self.step, whole: self.whole }
+        let Self { steps, step, whole, inputs } = self;
+        Self { steps: steps.clone(), step: *step, whole: *whole, inputs: inputs.clone() }
     }
 }
 
@@ -227,7 +230,7 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
         // of as many steps as there are coefficients
         let part = |k: usize| gamma.get(k).copied().unwrap_or(0.0);
         let steps = C::steps(|k| B::new(parameters, step * B::Scalar::of(part(k))));
-        Self { steps, step, whole: false }
+        Self { steps, step, whole: false, inputs: None }
     }
 
     const STAGES: usize = C::GAMMA.len() * B::STAGES;
@@ -311,8 +314,10 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
         // how much of the composed step is done
         let (mut done, mut stages) = (0.0, 0);
         let mut accumulator = StageAccumulator::new();
-        for (step, gamma) in self.steps.as_mut().iter_mut().zip(C::GAMMA) {
+        for (k, (step, gamma)) in self.steps.as_mut().iter_mut().zip(C::GAMMA).enumerate() {
             let start = time + B::Scalar::of(done) * self.step;
+            let input = self.inputs.as_ref().and_then(|inputs| inputs.as_ref().get(k));
+            let control = input.unwrap_or(control);
             let is_done = from.is_some_and(|from| from >= stages + B::STAGES);
             if !is_done {
                 let within = from.and_then(|from| from.checked_sub(stages));
@@ -323,6 +328,25 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
         }
         self.whole = true;
         accumulator.end(state)
+    }
+
+    fn set_inputs(&mut self, mut inputs: Option<&mut dyn FnMut(f64) -> B::Control>) {
+        let mut done = 0.0;
+        for (step, gamma) in self.steps.as_mut().iter_mut().zip(C::GAMMA) {
+            match &mut inputs {
+                Some(at) => step.set_inputs(Some(&mut |share| at(done + gamma * share))),
+                None => step.set_inputs(None),
+            }
+            done += gamma;
+        }
+        let mut done = 0.0;
+        self.inputs = inputs.map(|at| {
+            C::steps(|k| {
+                let gamma = C::GAMMA.get(k).copied().unwrap_or(0.0);
+                done += gamma;
+                at(done - 0.5 * gamma)
+            })
+        });
     }
 
     #[inline]

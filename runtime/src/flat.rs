@@ -27,6 +27,10 @@ pub trait Method<T: Batch>: Send + Sync {
         StepsReport::default()
     }
 
+    /// Holds over each step that it is made of its own control, as many numbers as there are `controls`, which the function writes to zeros: see
+    /// [`method::Method::set_inputs`].
+    fn set_inputs(&mut self, _controls: usize, _inputs: Option<&mut dyn FnMut(f64, &mut [T])>) {}
+
     /// Shows what is carried from step to step: see [`method::Method::memory`].
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T]));
 }
@@ -124,6 +128,17 @@ impl<M: method::Method, const BATCHES: bool> Method<M::Scalar> for ([M::CallSite
         let marched = self.1.0.advance_n(&mut now, clock, &array(control), most);
         write(state, &now);
         marched
+    }
+
+    fn set_inputs(&mut self, _: usize, inputs: Option<&mut dyn FnMut(f64, &mut [M::Scalar])>) {
+        match inputs {
+            Some(write) => self.1.0.set_inputs(Some(&mut |share| {
+                let mut control = M::Control::splat(M::Scalar::of(0.0));
+                write(share, control.as_mut());
+                control
+            })),
+            None => self.1.0.set_inputs(None),
+        }
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [M::Scalar])) {

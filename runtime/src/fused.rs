@@ -182,6 +182,13 @@ impl<S: Discretized<M>, M, T: Batch> Method for FusedMethod<S, M, T> {
         StepsReport { steps, iterations, max_iterations, max_residual: max_residual.0 }
     }
 
+    fn set_inputs(&mut self, inputs: Option<&mut dyn FnMut(f64) -> Self::Control>) {
+        match inputs {
+            Some(at) => self.0.set_inputs(Some(&mut |share| wrapped(&at(share)))),
+            None => self.0.set_inputs(None),
+        }
+    }
+
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
         self.0.memory(&mut |numbers| {
             numbers.iter_mut().for_each(|number| visit(core::slice::from_mut(&mut number.0)));

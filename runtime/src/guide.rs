@@ -12,6 +12,7 @@
 //! * [Groups of your own](groups): from a basis, or made of other groups
 //! * [Any energy](energies): Hamiltonians and Lagrangians
 //! * [Choosing retraction, method and order](choosing), and when structure pays
+//! * [Choosing a step](step_size), and where the time scale changes
 //! * [The mathematics](mathematics)
 //!
 //! **How to …**
@@ -48,6 +49,7 @@ pages![
     groups,
     energies,
     choosing,
+    step_size,
     mathematics,
     rigid_motions,
     forces,

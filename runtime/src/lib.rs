@@ -100,11 +100,6 @@ pub mod system;
 mod tests;
 mod tick;
 
-/// The front page: its code is compiled and run as a test.
-#[cfg(all(doctest, feature = "std"))]
-#[doc = include_str!("../../README.md")]
-mod readme {}
-
 #[cfg(feature = "std")]
 pub use certify::certify;
 /// ```
@@ -210,7 +205,7 @@ pub mod __private {
     pub use crate::solve::step::OneStep;
     pub use crate::system::{
         Control, Generated, Geometry, Isolated, Kind, NoControl, Quantity, Retracted, Role, Schemes, Side,
-        State, Stored, System, Visitor, quantity,
+        State, Stored, System, Visitor, larger, quantity,
     };
     pub use coadjoint_macros::lie_poisson_system_with;
     pub use nalgebra;

@@ -105,6 +105,10 @@ pub trait Method: Clone + Send + Sync {
         known: bool,
     ) -> Outcome<Self::Scalar, Self::State>;
 
+    /// Holds over each step that it is made of the control at its middle, of a function of the share of the whole step; none: the one control that
+    /// it is called with. Of a step that is not made of others, that is the one at its middle.
+    fn set_inputs(&mut self, _inputs: Option<&mut dyn FnMut(f64) -> Self::Control>) {}
+
     /// Shows what the method carries from one step to the next, in pieces of always the same lengths, to be read or replaced. What is in
     /// no piece follows from the parameters and the step.
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [Self::Scalar]));

@@ -49,13 +49,20 @@ use crate::stepper::{StepReport, Stepping};
 use crate::system::Dynamics;
 pub use crate::tick::Tick;
 
-/// A law that controls a run.
+/// What acts on the system while a run is made.
 #[doc(hidden)]
 pub trait ControlLaw<S: Dynamics + ?Sized> {
-    /// Returns the control to be held over the step that starts from `state` at `time`.
-    fn control(&mut self, state: &S::State, time: f64) -> S::Control;
-    /// Whether it is the same at all times, so that it need not be asked for before every step.
-    const IS_CONSTANT: bool;
+    /// Takes a step, or several, at most `most`, and counts them. How the last one went, and the control at its end.
+    ///
+    /// # Errors
+    /// If a step cannot be taken.
+    fn advance<T: Stepping<System = S> + ?Sized>(
+        &mut self,
+        stepper: &mut T,
+        state: &mut S::State,
+        most: u64,
+        report: &mut RunReport,
+    ) -> Result<(StepReport, S::Control), RunError>;
 }
 
 /// The same control at all times.
@@ -65,23 +72,109 @@ pub struct Constant<C>(C);
 
 impl<S: Dynamics + ?Sized> ControlLaw<S> for Constant<S::Control> {
     #[inline]
-    fn control(&mut self, _: &S::State, _: f64) -> S::Control {
-        self.0.clone()
+    fn advance<T: Stepping<System = S> + ?Sized>(
+        &mut self,
+        stepper: &mut T,
+        state: &mut S::State,
+        most: u64,
+        report: &mut RunReport,
+    ) -> Result<(StepReport, S::Control), RunError> {
+        held(stepper, state, self.0.clone(), most, report)
     }
-    const IS_CONSTANT: bool = true;
 }
 
-/// A control that follows from state and time.
+/// A control that follows from state and time, chosen anew after some steps.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug)]
-pub struct Feedback<F>(F);
+pub struct Feedback<F, C> {
+    law: F,
+    /// Steps over which a control is held.
+    interval: u64,
+    /// The control since the last of them that is a multiple of the interval.
+    held: Option<C>,
+}
 
-impl<S: Dynamics + ?Sized, F: FnMut(&S::State, f64) -> S::Control> ControlLaw<S> for Feedback<F> {
+impl<S, F> ControlLaw<S> for Feedback<F, S::Control>
+where
+    S: Dynamics + ?Sized,
+    F: FnMut(&S::State, f64) -> S::Control,
+{
     #[inline]
-    fn control(&mut self, state: &S::State, time: f64) -> S::Control {
-        (self.0)(state, time)
+    fn advance<T: Stepping<System = S> + ?Sized>(
+        &mut self,
+        stepper: &mut T,
+        state: &mut S::State,
+        most: u64,
+        report: &mut RunReport,
+    ) -> Result<(StepReport, S::Control), RunError> {
+        if self.interval == 1 {
+            let control = (self.law)(state, stepper.time());
+            return held(stepper, state, control, 1, report);
+        }
+        let since = stepper.steps_taken() % self.interval;
+        let kept = self.held.take().filter(|_| since > 0);
+        let control = kept.unwrap_or_else(|| (self.law)(state, stepper.time()));
+        self.held = Some(control.clone());
+        held(stepper, state, control, most.min(self.interval - since), report)
     }
-    const IS_CONSTANT: bool = false;
+}
+
+/// An input that is a function of time.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug)]
+pub struct Driven<F>(F);
+
+impl<S: Dynamics + ?Sized, F: FnMut(f64) -> S::Control> ControlLaw<S> for Driven<F> {
+    fn advance<T: Stepping<System = S> + ?Sized>(
+        &mut self,
+        stepper: &mut T,
+        state: &mut S::State,
+        _: u64,
+        report: &mut RunReport,
+    ) -> Result<(StepReport, S::Control), RunError> {
+        let step = stepper.step_driven(state, &mut self.0);
+        let step = counted(stepper, step, report)?;
+        Ok((step, (self.0)(stepper.time())))
+    }
+}
+
+/// Takes steps over which a control is held; all but the last one together.
+#[inline]
+fn held<T: Stepping + ?Sized>(
+    stepper: &mut T,
+    state: &mut StateOf<T>,
+    control: ControlOf<T>,
+    steps: u64,
+    report: &mut RunReport,
+) -> Result<(StepReport, ControlOf<T>), RunError> {
+    if steps > 1 {
+        match stepper.steps_with(state, &control, steps - 1) {
+            Ok(steps) => report.add(&steps),
+            Err(error) => {
+                report.add(&error.report);
+                return Err(RunError { report: *report, ..error });
+            }
+        }
+    }
+    let step = stepper.step_with(state, &control);
+    Ok((counted(stepper, step, report)?, control))
+}
+
+/// Counts a step.
+#[inline]
+fn counted<T: Stepping + ?Sized>(
+    stepper: &T,
+    step: Result<StepReport, StepError>,
+    report: &mut RunReport,
+) -> Result<StepReport, RunError> {
+    match step {
+        Ok(step) => {
+            report.count(&step);
+            Ok(step)
+        }
+        // time and count are as before it
+        Err(cause) => Err(RunError::new(stepper.steps_taken() + 1, stepper.time(), *report, cause)),
+    }
 }
 
 /// The state and the control of a stepper's system.
@@ -125,7 +218,7 @@ where
         self
     }
 
-    /// Holds `control` over the whole run. Without it all controls are zero; of several laws the last one counts.
+    /// Holds `control` over the whole run. Without it all controls are zero; of several laws and inputs the last one counts.
     ///
     /// Steps that no observer needs are taken [together](crate::Stepper::steps_with).
     pub fn with_control(self, control: S::Control) -> Run<'a, T, O, Constant<S::Control>> {
@@ -134,12 +227,77 @@ where
     }
 
     /// Asks `law` before each step, with the state and the time from which it starts, for the control to be held over it.
-    pub fn controlled_by<F>(self, law: F) -> Run<'a, T, O, Feedback<F>>
+    ///
+    /// A control that is held is a step function: if the law is a continuous function, the motion follows it to order 1, whatever the order
+    /// of the scheme. What depends on time alone is better [driven](Self::driven_by).
+    pub fn controlled_by<F>(self, law: F) -> Run<'a, T, O, Feedback<F, S::Control>>
+    where
+        F: FnMut(&S::State, f64) -> S::Control,
+    {
+        self.controlled_every(1, law)
+    }
+
+    /// Asks `law` before steps 0, `interval`, 2 `interval`, …, as counted by the stepper, for the control to be held until the next of them, as
+    /// a digital controller does that is slower than the steps; an interval of 0 counts as 1. A run that starts between them asks at its start too.
+    ///
+    /// ```
+    /// use coadjoint::Run;
+    /// use coadjoint::prelude::*;
+    ///
+    /// /// A cart that is pushed.
+    /// #[lie_poisson_system(group = R1, control(push: f64), force = push)]
+    /// struct Cart {
+    ///     #[inertia]
+    ///     mass: f64,
+    /// }
+    ///
+    /// let (mut state, mut asked) = (CartState { position: vector![1.0], momentum: vector![0.0] }, 0);
+    /// let mut stepper = Cart { mass: 1.0 }.stepper::<Exponential>(0.01)?;
+    /// Run::new(&mut stepper, &mut state)
+    ///     .controlled_every(10, |state, _| {
+    ///         asked += 1;
+    ///         CartControl { push: -state.position.x - 1.5 * state.momentum.x }
+    ///     })
+    ///     .to(20.0)?;
+    /// assert_eq!(asked, 200);
+    /// assert!(state.position.norm() < 1e-5);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn controlled_every<F>(self, interval: u64, law: F) -> Run<'a, T, O, Feedback<F, S::Control>>
     where
         F: FnMut(&S::State, f64) -> S::Control,
     {
         let Self { stepper, state, start, observer, .. } = self;
-        Run { stepper, state, start, observer, law: Feedback(law) }
+        Run { stepper, state, start, observer, law: Feedback { law, interval: interval.max(1), held: None } }
+    }
+
+    /// Drives the run by `input`, a function of time: it is asked in the middle of each step, or of each of the steps that a composition is made of,
+    /// so that the motion has the order of the scheme wherever the input is smooth enough.
+    ///
+    /// Where it jumps or has a kink, a step should end. Observers are shown the input at the time of the tick. It is asked for the same time more than
+    /// once, and within a step of a composition for times that go back and forth.
+    ///
+    /// ```
+    /// use coadjoint::Run;
+    /// use coadjoint::prelude::*;
+    ///
+    /// /// A mass that is pushed.
+    /// #[lie_poisson_system(group = R1, control(push: f64), force = push)]
+    /// struct Mass {
+    ///     #[inertia]
+    ///     mass: f64,
+    /// }
+    ///
+    /// let mut state = MassState { position: vector![0.0], momentum: vector![0.0] };
+    /// let mut stepper = Mass { mass: 2.0 }.stepper::<Order6<Exponential>>(0.1)?;
+    /// Run::new(&mut stepper, &mut state).driven_by(|time| MassControl { push: time.sin() }).to(3.0)?;
+    /// // position'' = sin(t) / 2 from rest
+    /// assert!((state.position.x - (3.0 - 3.0_f64.sin()) / 2.0).abs() < 1e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn driven_by<F: FnMut(f64) -> S::Control>(self, input: F) -> Run<'a, T, O, Driven<F>> {
+        let Self { stepper, state, start, observer, .. } = self;
+        Run { stepper, state, start, observer, law: Driven(input) }
     }
 
     /// Shows every tick to `observer`; pass it by `&mut` to ask it for its findings afterwards.
@@ -287,28 +445,9 @@ where
             let index = self.stepper.steps_taken();
             let mut unseen = self.observer.next(index).saturating_sub(index).clamp(1, count - taken);
             while unseen > 0 {
-                let control = self.law.control(self.state, self.stepper.time());
-                if const { C::IS_CONSTANT } && unseen > 1 {
-                    match self.stepper.steps_with(self.state, &control, unseen - 1) {
-                        Ok(steps) => report.add(&steps),
-                        Err(error) => {
-                            report.add(&error.report);
-                            return Err(RunError { report: *report, ..error });
-                        }
-                    }
-                    unseen = 1;
-                }
-                let time = self.stepper.time();
-                match self.stepper.step_with(self.state, &control) {
-                    Ok(step) => {
-                        report.count(&step);
-                        last = Some((step, control));
-                    }
-                    Err(cause) => {
-                        return Err(RunError::new(self.stepper.steps_taken() + 1, time, *report, cause));
-                    }
-                }
-                unseen -= 1;
+                let before = report.steps;
+                last = Some(self.law.advance(self.stepper, self.state, unseen, report)?);
+                unseen -= report.steps - before;
             }
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! ```json
 //! {
-//!   "program": "coadjoint", "version": "0.1.0",
+//!   "program": "coadjoint", "version": "0.2.0",
 //!   "system": "heavy_top", "retraction": "exponential", "method": "standard", "order": 2, "step": 0.01, "steps": 6000, "every": 1,
 //!   "parameters": {"inertia": [1.0, 10.0, 100.0], "weight": 1.0, "chi": [0.0, 0.0, 1.0]},
 //!   "state": {"attitude": [1.0, 0.0, 0.0, 0.0], …},

@@ -142,9 +142,9 @@ pub struct Job {
 
 impl Job {
     /// Tells whether members of an ensemble are stepped side by side, in the processor's registers: with the standard
-    /// step of order 2 on the Cayley map.
+    /// step on the exponential map or the Cayley map, and what is composed of it.
     pub fn is_side_by_side(&self) -> bool {
-        (self.method, self.retraction, self.order) == (Method::Standard, Retraction::Cayley, Order::Two)
+        self.method == Method::Standard && Retraction::COMMON.contains(&self.retraction)
     }
 
     /// Tells the order of its step.

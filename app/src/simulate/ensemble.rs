@@ -8,7 +8,7 @@ use coadjoint::ensemble::Spread;
 use coadjoint::erased::{self, Ensemble};
 use rayon::prelude::*;
 
-use super::stepper;
+use super::{scheme, stepper};
 use crate::catalogue::{ControlLaw, Entry, Setup};
 use crate::error::{RunError, SetupError};
 use crate::setup::Job;
@@ -104,7 +104,13 @@ pub fn run(
     });
     let system = entry.system(&setup.parameters);
     let mut moving = if spec.job.is_side_by_side() {
-        EnsembleBackend::SideBySide(Ensemble::new(&*system, members, spec.job.step)?)
+        let Job { method, retraction, order, step, .. } = spec.job;
+        EnsembleBackend::SideBySide(Ensemble::new(
+            &*system,
+            &scheme(method, retraction, order)?,
+            members,
+            step,
+        )?)
     } else {
         let member = |(index, (parameters, state)): (usize, (Vec<f64>, Vec<f64>))| {
             let stepper = stepper(entry, entry.system(&parameters), &spec.job)

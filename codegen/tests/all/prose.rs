@@ -14,8 +14,8 @@ fn root() -> PathBuf {
 
 /// The pages beside the sources, and those of the guide but for the one that is generated.
 fn pages() -> Vec<PathBuf> {
-    let named =
-        ["README.md", "BENCHMARKS.md", "CONTRIBUTING.md", "CHANGELOG.md"].map(|name| root().join(name));
+    let named = ["README.md", "BENCHMARKS.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/registry.md"]
+        .map(|name| root().join(name));
     let guide = fs::read_dir(root().join("runtime/src/guide")).expect("the guide is beside the generator");
     let mut pages: Vec<_> = guide.map(|page| page.expect("a file").path()).collect();
     pages.retain(|page| !page.ends_with("language.md"));

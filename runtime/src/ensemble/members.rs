@@ -167,10 +167,21 @@ impl Members {
 /// Writes the control to be held over the step of a member, by its number, from a state at a time to numbers that are zero.
 pub type MemberLaw<'a> = dyn Fn(usize, &[f64], f64, &mut [f64]) + Sync + 'a;
 
-/// Chooses the controls of the members, as many numbers as there are.
+/// Writes the control of a member, by its number, at a time to numbers that are zero.
+pub type MemberInput<'a> = dyn Fn(usize, f64, &mut [f64]) + Sync + 'a;
+
+/// Chooses the controls of the members, so many numbers.
 pub(crate) struct Law<'a> {
     pub(crate) controls: usize,
-    pub(crate) choose: &'a MemberLaw<'a>,
+    pub(crate) choose: Choose<'a>,
+}
+
+/// When controls are chosen.
+pub(crate) enum Choose<'a> {
+    /// Before each step.
+    Held(&'a MemberLaw<'a>),
+    /// Where the scheme needs them.
+    Driven(&'a MemberInput<'a>),
 }
 
 /// What came of some steps.
@@ -309,25 +320,45 @@ impl<T: Batch> Block for LaneBlock<T> {
         let mut members = self.alive();
         let mut done = 0;
         let (mut state, mut control) = (Vec::new(), Vec::new());
+        let is_driven = matches!(law, Some(Law { choose: Choose::Driven(_), .. }));
         while done < steps && members > 0 {
             let mut most = steps - done;
             if let Some(Law { controls, choose }) = law {
                 most = 1;
+                let time = clock.after(done);
                 for lane in 0..T::LANES {
                     if !self.is_alive(lane) {
                         continue;
                     }
-                    state.clear();
-                    self.state(lane, &mut state);
                     control.clear();
                     control.resize(*controls, 0.0);
-                    choose(self.first + lane, &state, clock.after(done), &mut control);
+                    match choose {
+                        Choose::Held(choose) => {
+                            state.clear();
+                            self.state(lane, &mut state);
+                            choose(self.first + lane, &state, time, &mut control);
+                        }
+                        Choose::Driven(input) => {
+                            input(self.first + lane, time + 0.5 * clock.step, &mut control);
+                        }
+                    }
                     self.set_control(lane, &control);
+                }
+                if let Choose::Driven(input) = choose {
+                    let Self { method, lanes, first, .. } = self;
+                    let mut part = |share: f64, controls: &mut [T]| {
+                        for lane in (0..T::LANES).filter(|lane| matches!(lanes[*lane], Lane::Alive)) {
+                            control.fill(0.0);
+                            input(*first + lane, time + share * clock.step, &mut control);
+                            put(controls, lane, &control);
+                        }
+                    };
+                    method.set_inputs(*controls, Some(&mut part));
                 }
             }
             // at no time in particular the step is not one like the last
             let known = self.known && clock.start.is_finite();
-            if known {
+            if known && !is_driven {
                 let now = Clock { taken: clock.taken + done, ..clock };
                 let batch = self.method.advance_n(&mut self.state, now, &self.control, most);
                 done += batch.steps;
@@ -347,6 +378,9 @@ impl<T: Batch> Block for LaneBlock<T> {
             }
             self.known = true;
             taken.member_steps += members;
+        }
+        if let (Some(Law { controls, .. }), true) = (law, is_driven) {
+            self.method.set_inputs(*controls, None);
         }
         taken
     }

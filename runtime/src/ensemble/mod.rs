@@ -48,18 +48,19 @@ use core::fmt;
 use core::marker::PhantomData;
 use core::ops::ControlFlow;
 use std::boxed::Box;
+use std::string::String;
 use std::vec::Vec;
 
 use thiserror::Error;
 
 use crate::error::{ParameterError, StepError};
 use crate::flat::{Flat, Method, NotGenerated};
-use crate::scalar::{Batch, Real, Scalar, mapped};
+use crate::scalar::{Batch, Components, Real, Scalar, mapped};
 use crate::stepper::{check_state, check_step};
 use crate::system::{Control, Discretized, State, System};
 pub use initial::{normal, uniform};
 pub use members::Instructions;
-use members::{Builder, Member, Members};
+use members::{Builder, Choose, Law, Member, Members};
 pub use spread::Spread;
 
 /// Many states that move at the same time, with the scheme `M`.
@@ -105,6 +106,15 @@ pub enum EnsembleError {
     /// There is no such step of the system.
     #[error(transparent)]
     NotGenerated(#[from] NotGenerated),
+    /// Of systems whose types are erased, only standard steps are compiled for several states side by side.
+    #[error(
+        "the scheme `{scheme}` is not made of standard steps, with which alone ensembles of systems chosen at run time move; take a bare \
+         retraction, `Exponential` or `Cayley`, or a composition of it"
+    )]
+    NotStandard {
+        /// The scheme.
+        scheme: String,
+    },
     /// There are more states than systems.
     #[error(
         "there are only {systems} systems for the states; `std::iter::repeat(&system)` gives all the same"
@@ -189,6 +199,17 @@ impl<S: Discretized<M> + 'static, M: 'static> Ensemble<S, M> {
     /// Takes `steps` steps, and counts those of all members. See [`failed`](Self::failed) for members that could not.
     pub fn run(&mut self, steps: u64) -> u64 {
         self.members.advance_n(steps, None)
+    }
+
+    /// Takes `steps` steps with inputs, functions of the member's number and the time, and counts those of all members. Where they are asked:
+    /// see [`Run::driven_by`](crate::Run::driven_by).
+    pub fn run_driven(&mut self, steps: u64, input: impl Fn(usize, f64) -> S::Control + Sync) -> u64 {
+        let write = |member: usize, time: f64, numbers: &mut [f64]| {
+            let control = input(member, time).to_components();
+            numbers.iter_mut().zip(control.as_ref()).for_each(|(number, x)| *number = x.to_f64());
+        };
+        let controls = <S::ControlComponents<S::Scalar> as Components<S::Scalar>>::LENGTH;
+        self.members.advance_n(steps, Some(&Law { controls, choose: Choose::Driven(&write) }))
     }
 
     /// Takes `steps` steps and shows the ensemble to the observer at the start, after each `interval` steps, and at the end. An interval of 0

@@ -50,7 +50,7 @@ pub(super) fn composed<T: Batch, E>(
         Scheme::StormerVerlet(map) | Scheme::Standard(map) => {
             let halves = [Rule::Member(0, 1), Rule::Member(1, 1)];
             let part = |place: usize, step| generated(map, halves[place], step);
-            Ok(Box::new(Composition::new(&[0.5, 0.5], step, part)?))
+            Ok(Box::new(Composition { is_pair: true, ..Composition::new(&[0.5, 0.5], step, part)? }))
         }
         Scheme::RightLift(base) => composed(&base, invariant, step, generated),
     }
@@ -65,6 +65,8 @@ pub(super) struct Composition<T: Batch> {
     between: Vec<T>,
     /// Whether all stages remember solutions of one and the same step.
     whole: bool,
+    /// Whether they are a method and its adjoint: one step, over which one control is held.
+    is_pair: bool,
 }
 
 /// A stage of a composed step.
@@ -72,6 +74,8 @@ struct Stage<T> {
     method: Box<dyn Method<T>>,
     /// How much of the whole it is.
     gamma: f64,
+    /// The control over it, where the step is driven.
+    input: Option<Vec<T>>,
 }
 
 impl<T: Batch> Composition<T> {
@@ -81,11 +85,11 @@ impl<T: Batch> Composition<T> {
         step: T,
         mut stage: impl FnMut(usize, T) -> Result<Box<dyn Method<T>>, E>,
     ) -> Result<Self, E> {
-        let stages = gamma
-            .iter()
-            .enumerate()
-            .map(|(place, &gamma)| stage(place, step * T::of(gamma)).map(|method| Stage { method, gamma }));
-        Ok(Self { stages: stages.collect::<Result<_, E>>()?, step, between: Vec::new(), whole: false })
+        let stages = gamma.iter().enumerate().map(|(place, &gamma)| {
+            stage(place, step * T::of(gamma)).map(|method| Stage { method, gamma, input: None })
+        });
+        let stages = stages.collect::<Result<_, E>>()?;
+        Ok(Self { stages, step, between: Vec::new(), whole: false, is_pair: false })
     }
 }
 
@@ -113,6 +117,7 @@ impl<T: Batch> Method<T> for Composition<T> {
         for (place, stage) in self.stages.iter_mut().enumerate() {
             let from = if place == 0 { state } else { &*other };
             let start = time + T::of(done) * self.step;
+            let control = stage.input.as_deref().unwrap_or(control);
             let outcome = stage.method.advance(from, to, start, control, known);
             accumulator.count(outcome)?;
             done += stage.gamma;
@@ -120,6 +125,27 @@ impl<T: Batch> Method<T> for Composition<T> {
         }
         self.whole = true;
         accumulator.end(())
+    }
+
+    fn set_inputs(&mut self, controls: usize, mut inputs: Option<&mut dyn FnMut(f64, &mut [T])>) {
+        if self.is_pair {
+            return;
+        }
+        let mut done = 0.0;
+        for stage in &mut self.stages {
+            stage.input = None;
+            match &mut inputs {
+                Some(write) => {
+                    let mut control = std::vec![T::of(0.0); controls];
+                    write(done + 0.5 * stage.gamma, &mut control);
+                    stage.input = Some(control);
+                    let mut part = |share: f64, control: &mut [T]| write(done + stage.gamma * share, control);
+                    stage.method.set_inputs(controls, Some(&mut part));
+                }
+                None => stage.method.set_inputs(controls, None),
+            }
+            done += stage.gamma;
+        }
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {

@@ -5,13 +5,14 @@ use std::sync::Arc;
 use std::vec::Vec;
 
 use super::system::{EnsembleSystem, System, check, length};
-use crate::ensemble::members::{Law, Member, MemberLaw, Members};
+use crate::ensemble::members::{Choose, Law, Member, MemberInput, MemberLaw, Members};
 use crate::ensemble::{EnsembleError, Failed, Instructions, check_member};
 use crate::error::ParameterError;
-use crate::flat::NotGenerated;
+use crate::schemes::Scheme;
 
-/// Many states of one system that move at the same time, each with parameters of its own, by the system's standard step on the Cayley map:
-/// [`Ensemble`](crate::Ensemble) with its types erased.
+/// Many states of one system that move at the same time, each with parameters of its own: [`Ensemble`](crate::Ensemble) with its types erased.
+///
+/// Compiled for states side by side are the standard steps on the exponential map and the Cayley map, and what is composed of them.
 pub struct Ensemble {
     /// The system with each member's parameters.
     systems: Vec<Arc<dyn System>>,
@@ -25,9 +26,10 @@ impl Ensemble {
     ///
     /// # Errors
     /// If a list of parameters or a state has not as many numbers as the system's, the parameters, the step or a state are not what a stepper
-    /// takes, or there is no standard step on the Cayley map.
+    /// takes, or the scheme is not made of standard steps that were generated.
     pub fn new(
         system: &dyn EnsembleSystem,
+        scheme: &Scheme,
         members: impl IntoIterator<Item = (Vec<f64>, Vec<f64>)>,
         step: f64,
     ) -> Result<Self, EnsembleError> {
@@ -45,11 +47,7 @@ impl Ensemble {
             checked.push(Member { parameters, state });
         }
         let widest = Instructions::widest();
-        let members = system.members(&checked, step, widest).ok_or_else(|| NotGenerated {
-            scheme: "Cayley".into(),
-            system: description.name,
-            key: "retractions",
-        })?;
+        let members = system.members(scheme, &checked, step, widest)?;
         Ok(Self { systems, members, controls: length(description.controls) })
     }
 
@@ -58,9 +56,15 @@ impl Ensemble {
         self.members.advance_n(steps, None)
     }
 
+    /// The same with inputs, functions of time, asked in the middle of each step or of each of its parts: see
+    /// [`Run::driven_by`](crate::Run::driven_by).
+    pub fn run_driven(&mut self, steps: u64, input: &MemberInput<'_>) -> u64 {
+        self.members.advance_n(steps, Some(&Law { controls: self.controls, choose: Choose::Driven(input) }))
+    }
+
     /// The same with controls that are chosen anew before each step. The last ones are held on.
     pub fn run_controlled(&mut self, steps: u64, choose: &MemberLaw<'_>) -> u64 {
-        self.members.advance_n(steps, Some(&Law { controls: self.controls, choose }))
+        self.members.advance_n(steps, Some(&Law { controls: self.controls, choose: Choose::Held(choose) }))
     }
 
     /// The time.

@@ -37,7 +37,7 @@ mod stepper;
 mod system;
 mod trial;
 
-pub use crate::ensemble::members::MemberLaw;
+pub use crate::ensemble::members::{MemberInput, MemberLaw};
 pub use crate::flat::NotGenerated;
 #[doc(hidden)]
 pub use crate::flat::{Flat, Method};

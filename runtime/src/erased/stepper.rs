@@ -12,7 +12,7 @@ use super::field::ByFunction;
 use super::jacobian::{self, Jacobian, JacobianError};
 use super::system::{At, System, check_length, length};
 use crate::error::{ParameterError, StepError};
-use crate::flat::{Method, NotGenerated};
+use crate::flat::{self, Method, NotGenerated};
 use crate::method::{Advanced, Clock, Counted};
 use crate::schemes::Scheme;
 use crate::snapshot::{self, visit_flag};
@@ -228,7 +228,9 @@ impl Stepper {
         (self.start, [self.taken, self.before]) = snapshot::read(memory, &mut |visit| {
             show(&mut self.has_left, &mut self.left, &mut **method, visit);
         })?;
-        self.has_left &= self.start.is_finite();
+        // a state that is not one is to be refused, if it is that with which the run goes on
+        let is_state = check_deviation(self.system.deviation(&self.left)).is_ok();
+        self.has_left &= self.start.is_finite() && is_state;
         Ok(())
     }
 
@@ -245,6 +247,27 @@ impl Stepper {
         };
         state.copy_from_slice(&self.left);
         Ok(report)
+    }
+
+    /// Takes one step driven by an input: see [`Stepper::step_driven`](crate::Stepper::step_driven).
+    ///
+    /// A method of [one's own](Self::from_fn) is given the control at the middle of the step.
+    ///
+    /// # Errors
+    /// As [`step`](Self::step).
+    pub fn step_driven(
+        &mut self,
+        state: &mut [f64],
+        mut input: impl FnMut(f64) -> Vec<f64>,
+    ) -> Result<StepReport, StepError> {
+        let (start, step) = (self.time(), self.step);
+        let mut at = |share: f64| input(start + share * step);
+        let controls = length(self.system.description().controls);
+        let mut write = |share: f64, control: &mut [f64]| flat::copy(control, &at(share));
+        method(&mut self.method).set_inputs(controls, Some(&mut write));
+        let report = self.step(state, &at(0.5));
+        method(&mut self.method).set_inputs(controls, None);
+        report
     }
 
     /// Takes one step, and gives the derivatives of the next state: see
@@ -404,6 +427,14 @@ impl Stepping for Stepper {
 
     fn step_with(&mut self, state: &mut Vec<f64>, control: &Vec<f64>) -> Result<StepReport, StepError> {
         self.step(state, control)
+    }
+
+    fn step_driven(
+        &mut self,
+        state: &mut Vec<f64>,
+        input: &mut dyn FnMut(f64) -> Vec<f64>,
+    ) -> Result<StepReport, StepError> {
+        Self::step_driven(self, state, input)
     }
 
     fn steps_with(

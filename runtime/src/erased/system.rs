@@ -2,6 +2,7 @@
 
 use core::marker::PhantomData;
 use std::boxed::Box;
+use std::string::ToString;
 use std::sync::Arc;
 use std::vec::Vec;
 
@@ -9,10 +10,10 @@ use super::composition::composed;
 use super::equation::{Equation, equation};
 use super::jacobian::{Linearization, OfDerivatives};
 use crate::derivative::LinearizedSchemes;
-use crate::ensemble::Instructions;
 use crate::ensemble::members::{Builder, Member, Members};
+use crate::ensemble::{EnsembleError, Instructions};
 use crate::error::{ParameterError, StepError};
-use crate::flat::{Flat, Method, array};
+use crate::flat::{Flat, Method, NotGenerated, array};
 use crate::retraction::RetractionKind;
 use crate::scalar::Batch;
 use crate::scheme::{Base, Rule};
@@ -165,9 +166,18 @@ pub trait System: Geometry + Send + Sync + 'static {
 ///
 /// Steps of many states side by side are compiled for each kind of processor. Only where a system becomes a `dyn EnsembleSystem` does that happen.
 pub trait EnsembleSystem: System {
-    /// Members side by side, with the standard step on the Cayley map; none if it was not generated.
+    /// Members side by side, with a scheme that is made of standard steps.
+    ///
+    /// # Errors
+    /// If a step that it is made of was not generated, or is not compiled for several side by side.
     #[doc(hidden)]
-    fn members(&self, members: &[Member], step: f64, instructions: Instructions) -> Option<Members>;
+    fn members(
+        &self,
+        scheme: &Scheme,
+        members: &[Member],
+        step: f64,
+        instructions: Instructions,
+    ) -> Result<Members, EnsembleError>;
 }
 
 /// Where a step starts, and how long it is.
@@ -224,8 +234,14 @@ impl<S> EnsembleSystem for S
 where
     S: Schemes + LinearizedSchemes + system::Geometry<Scalar = f64> + Send + Sync + 'static,
 {
-    fn members(&self, members: &[Member], step: f64, instructions: Instructions) -> Option<Members> {
-        Members::new::<f64, _>(instructions, members, step, &Standard::<S>(PhantomData)).ok()
+    fn members(
+        &self,
+        scheme: &Scheme,
+        members: &[Member],
+        step: f64,
+        instructions: Instructions,
+    ) -> Result<Members, EnsembleError> {
+        Members::new::<f64, _>(instructions, members, step, &Standard::<S>(scheme, PhantomData))
     }
 }
 
@@ -253,19 +269,24 @@ const fn is_taken_together<S: system::System>(map: RetractionKind, rule: Rule) -
     S::INVARIANT && map.is_matrix_function() && is_standard::<S>(rule)
 }
 
-/// The standard step on the Cayley map, of states side by side.
-struct Standard<S>(PhantomData<fn() -> S>);
+/// A scheme made of standard steps, of states side by side.
+struct Standard<'a, S>(&'a Scheme, PhantomData<fn() -> S>);
 
-impl<S: Schemes> Builder for Standard<S> {
-    type Error = ();
+impl<S: Schemes> Builder for Standard<'_, S> {
+    type Error = EnsembleError;
     // for each system a fifth of what there is to compile
     const PAIRS: bool = false;
 
-    fn method<T: Batch>(&self, parameters: &[T], step: T) -> Result<Box<dyn Method<T>>, ()> {
+    fn method<T: Batch>(&self, parameters: &[T], step: T) -> Result<Box<dyn Method<T>>, EnsembleError> {
         let mut generated = |map, rule, step| {
-            S::visit(map, rule, OfMethods::<T, false> { parameters, step }).flatten().ok_or(())
+            let method = S::visit(map, rule, OfMethods::<T, false> { parameters, step }).flatten();
+            let scheme = || self.0.to_string();
+            method.ok_or_else(|| match is_standard::<S>(rule) && map.is_matrix_function() {
+                true => NotGenerated { scheme: scheme(), system: S::NAME, key: "retractions" }.into(),
+                false => EnsembleError::NotStandard { scheme: scheme() },
+            })
         };
-        composed(&Scheme::Standard(RetractionKind::Cayley), S::INVARIANT, step, &mut generated)
+        composed(self.0, S::INVARIANT, step, &mut generated)
     }
 }
 
@@ -283,7 +304,7 @@ impl<T: Batch, S: system::System, const ALL: bool> Visitor<S> for OfMethods<'_, 
         S: Generated<M>,
     {
         // what is not asked for is not compiled
-        if const { !ALL && !(matches!(M::MAP, RetractionKind::Cayley) && is_standard::<S>(M::RULE)) } {
+        if const { !ALL && !(M::MAP.is_matrix_function() && is_standard::<S>(M::RULE)) } {
             return None;
         }
         Some(if const { T::LANES > 1 || is_taken_together::<S>(M::MAP, M::RULE) } {

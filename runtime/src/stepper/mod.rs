@@ -183,6 +183,10 @@ impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
 
     /// Takes back what [`snapshot`](Self::snapshot) gave, of a stepper for the same system, scheme and step.
     ///
+    /// The numbers are believed: those of another system, scheme or step, of which there are as many, or numbers that were changed, are not found out. With
+    /// [`RightLift`](crate::RightLift) and [`Compensated`](crate::Compensated) a part of the state is among them, with the others what is remembered
+    /// saves time alone.
+    ///
     /// # Errors
     /// If it has not as many numbers as the memory of this stepper.
     #[inline]
@@ -190,6 +194,11 @@ impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
         (self.start, [self.taken, self.before]) = snapshot::read(memory, &mut |visit| {
             Self::visit(&mut self.left, &mut self.method, visit);
         })?;
+        // a state that is not one is to be refused, if it is that with which the run goes on
+        self.left = self.left.filter(|left| {
+            let deviation = S::State::from_components(left).deviation();
+            check_deviation(deviation.to_f64()).is_ok()
+        });
         self.forget_at_no_time();
         Ok(())
     }
@@ -247,6 +256,23 @@ impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
             }
             Err(failure) => Err(failure.first()),
         }
+    }
+
+    /// Takes one step driven by an input, a function of time: see [`Run::driven_by`](crate::Run::driven_by).
+    ///
+    /// # Errors
+    /// As [`step_with`](Self::step_with).
+    pub fn step_driven(
+        &mut self,
+        state: &mut S::State,
+        mut input: impl FnMut(f64) -> S::Control,
+    ) -> Result<StepReport, StepError> {
+        let (start, step) = (self.time(), self.step.to_f64());
+        let mut at = |share: f64| input(start + share * step);
+        self.method.set_inputs(Some(&mut |share| at(share).to_components()));
+        let report = self.step_apart(state, &at(0.5));
+        self.method.set_inputs(None);
+        report
     }
 
     /// A step from a state that no step has led to, apart from the others: what it needs in memory they keep in registers.
@@ -352,9 +378,13 @@ pub(crate) fn is_same<T: Real>(a: &[T], b: &[T]) -> bool {
 #[cold]
 #[inline]
 pub(crate) fn check_deviation(deviation: f64) -> Result<(), StepError> {
-    // what is not finite is so named by the step
-    let off = deviation.is_finite() && deviation > LARGEST_DEVIATION;
-    if off { Err(StepError::NotOnGroup { deviation }) } else { Ok(()) }
+    if !deviation.is_finite() {
+        Err(StepError::NotFinite)
+    } else if deviation > LARGEST_DEVIATION {
+        Err(StepError::NotOnGroup { deviation })
+    } else {
+        Ok(())
+    }
 }
 
 /// A state from elsewhere is finite and on its group, more or less.

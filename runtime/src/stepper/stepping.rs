@@ -70,6 +70,15 @@ pub trait Stepping {
         state: &mut <Self::System as Dynamics>::State,
         control: &<Self::System as Dynamics>::Control,
     ) -> Result<StepReport, StepError>;
+    /// [`Stepper::step_driven`]
+    ///
+    /// # Errors
+    /// As there.
+    fn step_driven(
+        &mut self,
+        state: &mut <Self::System as Dynamics>::State,
+        input: &mut dyn FnMut(f64) -> <Self::System as Dynamics>::Control,
+    ) -> Result<StepReport, StepError>;
     /// [`Stepper::steps_with`]
     ///
     /// # Errors
@@ -138,6 +147,14 @@ impl<S: System, M, D: MethodOf<S>> Stepping for Stepper<S, M, D> {
     #[inline]
     fn step_with(&mut self, state: &mut S::State, control: &S::Control) -> Result<StepReport, StepError> {
         self.step_apart(state, control)
+    }
+
+    fn step_driven(
+        &mut self,
+        state: &mut S::State,
+        input: &mut dyn FnMut(f64) -> S::Control,
+    ) -> Result<StepReport, StepError> {
+        Stepper::step_driven(self, state, input)
     }
 
     #[inline]

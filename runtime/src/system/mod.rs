@@ -460,6 +460,13 @@ pub trait Stored<T, const N: usize>: Sized {
     }
 }
 
+/// The larger number; one that is none, if there is one.
+#[doc(hidden)]
+#[inline]
+pub fn larger<T: Real>(a: T, b: T) -> T {
+    if b > a || b.partial_cmp(&b).is_none() { b } else { a }
+}
+
 impl<T: Real> Stored<T, 1> for T {
     #[inline(always)]
     fn to_array(&self) -> [T; 1] {

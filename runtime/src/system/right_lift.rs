@@ -64,6 +64,10 @@ where
         accumulator.end(S::with_conserved(&next, &conserved))
     }
 
+    fn set_inputs(&mut self, inputs: Option<&mut dyn FnMut(f64) -> B::Control>) {
+        self.base.set_inputs(inputs);
+    }
+
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [B::Scalar])) {
         visit_flag(&mut self.has_stepped, visit);
         visit(self.conserved.as_mut());

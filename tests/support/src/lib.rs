@@ -1,5 +1,11 @@
 //! What the tests share: systems to test on, deterministic random numbers, measures of what comes out.
 
+/// The front page and the page of a registry: their code is compiled and run as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+#[doc = include_str!("../../../docs/registry.md")]
+mod pages {}
+
 pub mod dual;
 #[path = "../../../codegen/tests/all/evaluate.rs"]
 pub mod evaluate;

@@ -60,6 +60,18 @@ struct Drone {
     mass: f64,
 }
 
+/// On a line, where all retractions are one.
+#[lie_poisson_system(group = R1, potential = stiffness * position.x.powi(4))]
+struct Line {
+    #[inertia]
+    mass: f64,
+    stiffness: f64,
+}
+
+fn cayley() -> Scheme {
+    Scheme::Standard(RetractionKind::Cayley)
+}
+
 /// A system with its type erased.
 fn erased<S: erased::System>(system: &S) -> &dyn erased::System {
     system
@@ -201,22 +213,43 @@ fn members_move_as_they_would_alone() {
         let numbers = start.to_components().as_ref().to_vec();
         let parameters = erased(&system).parameters();
         let scaled = |k: usize| parameters.iter().map(|x| x * (1.0 + 0.01 * k as f64)).collect::<Vec<_>>();
-        let members = (0..11).map(|k| (scaled(k), numbers.clone()));
-        let mut ensemble = erased::Ensemble::new(&system, members, 0.02).unwrap();
         let held = control.to_components().as_ref().to_vec();
-        ensemble.control(|_, _, control| control.copy_from_slice(&held));
-        assert_eq!(ensemble.run(300) + ensemble.run(1), 11 * 301);
-        for (member, system, state) in ensemble.members() {
-            let scheme = Scheme::Standard(RetractionKind::Cayley);
-            let mut expected = numbers.clone();
-            let mut stepper = erased::Stepper::new(system.with_parameters(&[]), &scheme, 0.02).unwrap();
-            stepper.steps(&mut expected, &held, 301).unwrap();
-            assert_eq!(state, expected, "member {member}");
+        for scheme in ["Cayley", "Exponential", "Order4<Cayley>", "Order6<Exponential>"] {
+            let scheme: Scheme = scheme.parse().unwrap();
+            let members = (0..11).map(|k| (scaled(k), numbers.clone()));
+            let mut ensemble = erased::Ensemble::new(&system, &scheme, members, 0.02).unwrap();
+            ensemble.control(|_, _, control| control.copy_from_slice(&held));
+            assert_eq!(ensemble.run(300) + ensemble.run(1), 11 * 301);
+            for (member, system, state) in ensemble.members() {
+                let mut expected = numbers.clone();
+                let mut stepper = erased::Stepper::new(system.with_parameters(&[]), &scheme, 0.02).unwrap();
+                stepper.steps(&mut expected, &held, 301).unwrap();
+                assert_eq!(state, expected, "{scheme}, member {member}");
+            }
+            assert_eq!((ensemble.time(), ensemble.failed()), (301.0 * 0.02, &[][..]));
         }
-        assert_eq!((ensemble.time(), ensemble.failed()), (301.0 * 0.02, &[][..]));
     }
     alone(top(), &NoControl::default());
     alone(craft(), &CraftControl { thrust: 12.0 });
+    // where all retractions are one
+    let start = LineState { position: vector![0.7], momentum: vector![-0.2] };
+    alone((Line { mass: 2.0, stiffness: 3.0 }, start), &NoControl::default());
+}
+
+#[test]
+fn a_scheme_that_members_have_not_side_by_side_is_refused() {
+    let (system, state) = top();
+    let refused = |scheme: &str| {
+        let members = [(erased(&system).parameters(), state.to_components().to_vec())];
+        erased::Ensemble::new(&system, &scheme.parse().unwrap(), members, 0.01).unwrap_err().to_string()
+    };
+    let [midpoint, second] = ["Order4<Midpoint<Cayley>>", "SecondKind"].map(refused);
+    assert_eq!(
+        midpoint,
+        "the scheme `Order4<Midpoint<Cayley>>` is not made of standard steps, with which alone ensembles of systems chosen at run time move; \
+         take a bare retraction, `Exponential` or `Cayley`, or a composition of it"
+    );
+    assert!(second.contains("`SecondKind` is not made of standard steps"), "{second}");
 }
 
 #[test]
@@ -227,7 +260,7 @@ fn members_that_cannot_be_are_refused() {
         let right = (erased(&system).parameters(), top().1.to_components().to_vec());
         let mut members = vec![right; 5];
         members[member] = (parameters.to_vec(), state.to_vec());
-        erased::Ensemble::new(&system, members, step).err()
+        erased::Ensemble::new(&system, &cayley(), members, step).err()
     };
     let parameter = |member, source| Some(EnsembleError::Parameters { member, source });
     let wrong = |member, source| Some(EnsembleError::State { member, source });
@@ -261,7 +294,7 @@ fn members_that_cannot_be_are_refused() {
 #[test]
 fn nobody_is_an_ensemble_too() {
     let (system, _) = top();
-    let mut ensemble = erased::Ensemble::new(&system, [], 0.5).unwrap();
+    let mut ensemble = erased::Ensemble::new(&system, &cayley(), [], 0.5).unwrap();
     ensemble.control(|_, _, control| control.fill(1.0));
     assert_eq!((ensemble.run(10), ensemble.time()), (0, 5.0));
     assert_eq!((ensemble.members().count(), ensemble.failed()), (0, &[][..]));
@@ -283,14 +316,14 @@ fn controls_of_members_are_their_own() {
         held(member, control);
         control.iter_mut().for_each(|control| *control *= (3.0 * time).sin() - state[6]);
     };
-    let mut ensemble = erased::Ensemble::new(&system, members(), 0.02).unwrap();
-    let mut steered = erased::Ensemble::new(&system, members(), 0.02).unwrap();
+    let mut ensemble = erased::Ensemble::new(&system, &cayley(), members(), 0.02).unwrap();
+    let mut steered = erased::Ensemble::new(&system, &cayley(), members(), 0.02).unwrap();
     for _ in 0..3 {
         ensemble.control(|member, _, control| held(member, control));
         assert_eq!(ensemble.run(50), 550);
         assert_eq!(steered.run_controlled(50, &law), 550);
     }
-    let scheme = Scheme::Standard(RetractionKind::Cayley);
+    let scheme = cayley();
     let stepper = || erased::Stepper::new(shared(&system), &scheme, 0.02).unwrap();
     for ((member, _, state), (_, _, other)) in ensemble.members().zip(steered.members()) {
         let (mut expected, mut control) = (numbers.clone(), [0.0]);
@@ -351,7 +384,7 @@ fn calls_of_a_system_are_its_own() {
 #[test]
 fn steppers_can_be_sent() {
     let (system, start) = top();
-    let scheme = Scheme::Standard(RetractionKind::Cayley);
+    let scheme = cayley();
     let walk = |stepper: &mut erased::Stepper, state: &mut [f64]| {
         stepper.steps(state, &[], 100).unwrap();
     };

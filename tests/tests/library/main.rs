@@ -2,6 +2,7 @@
 
 mod certify;
 mod compensated;
+mod driven;
 mod effort;
 mod ensemble;
 mod erased;

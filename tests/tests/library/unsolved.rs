@@ -3,8 +3,10 @@
 // in a test, a panic is the report
 #![allow(clippy::unwrap_used)]
 
-use coadjoint::Discretized;
+use std::sync::Arc;
+
 use coadjoint::prelude::*;
+use coadjoint::{Discretized, State, StepError, erased};
 
 /// A mass in a potential that falls without end on one side: what falls there is lost in finite time.
 #[lie_poisson_system(group(position: R1), potential = strength * position.x.powi(3) / 3.0, methods(Midpoint))]
@@ -147,4 +149,56 @@ fn numbers_that_are_none() {
     let sun = PlanetState { position: vector![0.0, 0.0], position_momentum: vector![0.0, 0.0] };
     let planet = Planet { mass: 1.0, strength: 1.0 };
     assert_eq!(error::<StormerVerlet, _>(&planet, &sun, 0.1), StepError::NotFinite);
+}
+
+/// A matrix of which a step reads some entries alone.
+#[lie_poisson_system(group = SU(3))]
+struct Levels {
+    #[inertia]
+    inertia: SVector<f64, 8>,
+}
+
+#[test]
+fn a_matrix_that_is_not_finite_is_refused_wherever_it_is_not() {
+    let system = Levels { inertia: SVector::from_fn(|k, _| 1.0 + 0.3 * k as f64) };
+    let start =
+        LevelsState { element: SMatrix::identity(), momentum: SVector::from_fn(|k, _| 0.2 - 0.1 * k as f64) };
+    for place in 0..36 {
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
+            let mut state = start.clone();
+            state.element[place] = bad;
+            let before = state.to_components();
+            let mut stepper = system.stepper::<Exponential>(0.1).unwrap();
+            let error = stepper.step(&mut state).unwrap_err();
+            let is_named = matches!(error, StepError::NotFinite | StepError::NotOnGroup { .. });
+            assert!(is_named, "entry {place}, {bad}: {error:?}");
+            let after = state.to_components();
+            assert!(before.iter().zip(after).all(|(a, b)| a.to_bits() == b.to_bits()));
+        }
+    }
+    assert!(system.stepper::<Exponential>(0.1).unwrap().step(&mut start.clone()).is_ok());
+}
+
+#[test]
+fn a_state_that_a_snapshot_makes_up_is_refused() {
+    let system = Levels { inertia: SVector::from_fn(|k, _| 1.0 + 0.3 * k as f64) };
+    let mut state =
+        LevelsState { element: SMatrix::identity(), momentum: SVector::from_fn(|k, _| 0.2 - 0.1 * k as f64) };
+    let mut stepper = system.stepper::<Exponential>(0.1).unwrap();
+    stepper.step(&mut state).unwrap();
+    let mut memory = stepper.snapshot();
+    // after start, counts and whether there is one: the first number of the state
+    let first = 4;
+    assert_eq!(memory[first], state.to_components()[0]);
+    memory[first] = 3.0;
+    stepper.restore(&memory).unwrap();
+    let mut components = state.to_components();
+    components[0] = 3.0;
+    let mut forged = LevelsState::from_components(&components);
+    assert!(matches!(stepper.step(&mut forged), Err(StepError::NotOnGroup { .. })));
+    let system: Arc<dyn erased::System> = Arc::new(system);
+    let mut stepper = erased::Stepper::new(system, &"Exponential".parse().unwrap(), 0.1).unwrap();
+    stepper.restore(&memory).unwrap();
+    let mut forged = components.to_vec();
+    assert!(matches!(stepper.step(&mut forged, &[]), Err(StepError::NotOnGroup { .. })));
 }

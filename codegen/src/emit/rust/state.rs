@@ -27,6 +27,16 @@ pub(super) fn state(program: &Program, names: &Names) -> TokenStream {
         String::new(),
     ];
     lines.extend(interface.documentation.conventions.iter().cloned());
+    lines
+        .extend(["", "By default configurations are the identity, and all else is zero."].map(str::to_owned));
+    let identity = interface.state.iter().flat_map(identity);
+    let default = quote! {
+        impl ::core::default::Default for #state {
+            fn default() -> Self {
+                #private::State::from_components(&[#(#identity),*])
+            }
+        }
+    };
     let configurations = interface.state.iter().filter(|part| part.role == Role::Configuration);
     let deviations = configurations.map(|part| {
         let (place, size) = (names.place(part), size(part.components.len()));
@@ -37,44 +47,54 @@ pub(super) fn state(program: &Program, names: &Names) -> TokenStream {
         quote! {
             #[allow(clippy::all, clippy::pedantic)]
             #function
-            let [off] = off(&#private::State::to_components(self));
-            if off > largest {
-                largest = off;
-            }
+            let [largest] = off(&#private::State::to_components(self));
         }
     });
     let deviation = quote! {
         #[inline]
         fn deviation(&self) -> #scalar {
-            let mut largest = 0.0;
+            let largest = 0.0;
             #of_matrices
-            #(
-                let off = #deviations;
-                if off > largest {
-                    largest = off;
-                }
-            )*
+            #(let largest = #private::larger(largest, #deviations);)*
             largest
         }
     };
     let state =
         record(state, &lines, &interface.state, format_ident!("State"), &quote! {}, &deviation, names);
     if interface.controls.is_empty() {
-        return state;
+        return quote! { #state #default };
     }
     let lines =
         [format!("The controls of a [`{}`], held constant over a step; all zero by default.", names.system)];
-    let default = quote! { ::core::default::Default, };
+    let derived = quote! { ::core::default::Default, };
     let control = record(
         &names.control,
         &lines,
         &interface.controls,
         format_ident!("Control"),
-        &default,
+        &derived,
         &quote! {},
         names,
     );
-    quote! { #state #control }
+    quote! { #state #default #control }
+}
+
+/// The numbers of the identity, if it is a configuration's part; else zeros.
+fn identity(part: &Quantity) -> Vec<TokenStream> {
+    let is_one = |k: usize| match part.kind {
+        _ if part.role != Role::Configuration => false,
+        Kind::UnitComplex | Kind::UnitQuaternion | Kind::RigidMotion2 | Kind::RigidMotion3 => k == 0,
+        Kind::Matrix(_, columns) => k.is_multiple_of(columns + 1),
+        Kind::Scalar | Kind::Vector(_) | Kind::Symmetric(_) => false,
+    };
+    let number = |k| {
+        if is_one(k) {
+            quote! { 1.0 }
+        } else {
+            quote! { 0.0 }
+        }
+    };
+    (0..part.components.len()).map(number).collect()
 }
 
 /// A struct of parts with its implementation of a trait of the runtime's that shows it as a flat array.
