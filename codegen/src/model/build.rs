@@ -67,7 +67,7 @@ impl<'a> System<'a> {
         }
         let system = Self {
             name: plain(&description.item.name),
-            scalar: description.item.scalar(),
+            scalar: description.scalar,
             group,
             factors,
             parameters,
