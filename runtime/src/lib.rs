@@ -200,7 +200,7 @@ pub mod __private {
     pub use crate::error::ParameterError;
     #[cfg(feature = "std")]
     pub use crate::fused::FusedScalar;
-    pub use crate::inertia::{require_finite, require_positive_definite, require_symmetric};
+    pub use crate::inertia::{require_finite, require_positive_definite, require_symmetric, symmetric_part};
     pub use crate::kernel::{Blocks, Evaluation, Kernel, Program};
     pub use crate::legendre::{finite, newton};
     pub use crate::method::{Method, Outcome};
