@@ -11,6 +11,7 @@
 //! * [Describing a system](describing): group, inertia, potential, advected parameters
 //! * [Groups of your own](groups): from a basis, or made of other groups
 //! * [Any energy](energies): Hamiltonians and Lagrangians
+//! * [Spheres and round bodies](spheres): directions, spins, pendulums
 //! * [Choosing retraction, method and order](choosing), and when structure pays
 //! * [The mathematics](mathematics)
 //!
@@ -47,6 +48,7 @@ pages![
     describing,
     groups,
     energies,
+    spheres,
     choosing,
     mathematics,
     rigid_motions,
