@@ -5,7 +5,7 @@ use crate::diagnostics::Diagnostics;
 use crate::expr::Arena;
 use crate::limits::{COMPONENTS, DERIVATION};
 use crate::model::{Relation, System};
-use crate::parse::{Attribute, EnergyKey, Item};
+use crate::parse::{Attribute, EnergyKey, Item, Key};
 
 /// Reports that a system has too many parameters. `None` if so.
 pub(crate) fn sizes(description: &Description<'_>, diagnostics: &mut Diagnostics) -> Option<()> {
@@ -33,8 +33,9 @@ pub(crate) fn derived(
 ) -> Option<()> {
     let message = if arena.is_exhausted() {
         format!(
-            "the steps of this system take sums and products of more than {DERIVATION} operands to derive; simplify \
-             its expressions, or describe a system of fewer dimensions"
+            "deriving the steps of this system takes sums and products of more than {DERIVATION} operands, the bound of what compiles in \
+             seconds; {}",
+            lighter(attribute).join(", or ")
         )
     } else if !arena.is_finite() {
         "the derivatives of this have constants that are too large; choose other units".to_owned()
@@ -47,6 +48,18 @@ pub(crate) fn derived(
         Some(expression) => diagnostics.fail(expression, message),
         None => diagnostics.fail(&item.name, message),
     }
+}
+
+/// What to change of a description that asks for too much, what costs most first.
+fn lighter(attribute: &Attribute) -> Vec<&'static str> {
+    let ways = [
+        (attribute.has(Key::Derivatives), "leave out `derivatives`, or name those that you need"),
+        (attribute.has(Key::Methods), "leave out `methods`, as the standard steps are there without it"),
+        (!attribute.has(Key::Retractions), "take one retraction, `retractions(Cayley)`"),
+        (true, "simplify its expressions"),
+        (true, "describe a system of fewer dimensions"),
+    ];
+    ways.into_iter().filter_map(|(is_a_way, way)| is_a_way.then_some(way)).collect()
 }
 
 /// Reports a Lagrangian without a velocity for each momentum, and tangent lifts without a momentum for each velocity.

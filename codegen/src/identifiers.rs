@@ -51,9 +51,14 @@ impl Name {
 
     /// As Rust writes it: `attitude`, `spins[0]`.
     pub(crate) fn written(&self) -> String {
+        self.in_brackets(&self.ident.to_string())
+    }
+
+    /// As Rust writes it, with another word for the whole.
+    pub(crate) fn in_brackets(&self, whole: &str) -> String {
         match self.place {
-            None => self.ident.to_string(),
-            Some(Place { index, .. }) => format!("{}[{index}]", self.ident),
+            None => whole.to_owned(),
+            Some(Place { index, .. }) => format!("{whole}[{index}]"),
         }
     }
 

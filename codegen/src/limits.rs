@@ -26,9 +26,9 @@ pub(crate) const METHODS: usize = 16;
 /// How many groups may be defined at a time. Each is looked at when it is defined, which takes tenths of a second.
 pub(crate) const GROUPS: usize = 32;
 
-/// The largest dimension of a configuration. A step solves as many equations, and what is derived grows with the cube
-/// of it.
-pub(crate) const DIMENSION: usize = 64;
+/// The largest dimension of a configuration: that of 32 rotations. A step solves as many equations, and what is derived
+/// grows with the cube of it, where all are coupled.
+pub(crate) const DIMENSION: usize = 96;
 
 /// How many numbers fields and controls may have together. Each has a name in generated code.
 pub(crate) const COMPONENTS: usize = 10_000;

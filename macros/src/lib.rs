@@ -20,6 +20,7 @@ use proc_macro::TokenStream;
 /// | `retractions(Cayley)` | the retractions to generate steps with: `Exponential`, `Cayley`, `SecondKind`; without it the first two, on some groups of matrices one of them |
 /// | `derivatives`, `derivatives(state, controls, parameters, tangent, adjoint)` | the derivatives of steps to generate, all or those named |
 /// | `units(momentum = "N m s")` | the units of state and controls, for tables, plots and pages; of a parameter by `#[unit("kg m²")]` on its field |
+/// | `scalar = f32` | the numbers of a system whose fields do not tell: `f64` otherwise |
 /// | `crate = path::to::coadjoint` | where `coadjoint` is, if renamed or re-exported |
 ///
 /// `#[inertia]` on a field, or `#[inertia(attitude)]` for some of the factors: a number, principal moments, or a symmetric positive definite
@@ -54,7 +55,7 @@ pub fn lie_poisson_system(attribute: TokenStream, item: TokenStream) -> TokenStr
 ///     Rates = tangent(SO3)
 /// }
 ///
-/// #[lie_poisson_system(group = Areas!, advected(v: R2), potential = v.norm_squared())]
+/// #[lie_poisson_system(group = Areas!, advected(v: dual(R2)), potential = v.norm_squared())]
 /// ```
 ///
 /// * `matrices { … }`: a basis of the Lie algebra, each matrix with the name of its coordinate; closed under the commutator.

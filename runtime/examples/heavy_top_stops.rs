@@ -5,7 +5,7 @@
 use coadjoint::Run;
 use coadjoint::prelude::*;
 
-/// A disc on a stem whose point stays in place; air slows it down.
+/// A disc on a stem whose point stays in place; air slows it down: `L' = r × F − friction L` in space.
 #[lie_poisson_system(
     group = SO3,
     advected(up: R3),

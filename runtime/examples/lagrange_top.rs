@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use coadjoint::prelude::*;
 use coadjoint::{Invariants, Run};
 
-/// Lagrange's top: round, with its centre of mass on its axis.
+/// Lagrange's top: round, with its centre of mass on its axis. In space `L' = r × F`.
 #[lie_poisson_system(group = SO3, advected(up: R3), potential = weight * length * up.z)]
 struct Top {
     /// About the point of the stem, kg m².

@@ -8,7 +8,7 @@ use coadjoint::prelude::*;
 /// A satellite with three reaction wheels along its principal axes.
 ///
 /// `attitude_momentum` is the momentum of body and wheels together. `wheels` are the angles of the wheels, `wheels_momentum` the angular
-/// momenta of the wheels about their axes.
+/// momenta of the wheels about their axes: `Π = I ω + h` and `h' = motors`, while `R Π` is constant.
 #[lie_poisson_system(
     group(attitude: SO3, wheels: R3),
     hamiltonian = {

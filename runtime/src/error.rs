@@ -12,8 +12,11 @@ pub enum ParameterError {
         /// The field's name.
         name: &'static str,
     },
-    /// An inertia matrix is not symmetric.
-    #[error("inertia `{name}` is not symmetric: entries mirrored at the diagonal differ by {difference:e}")]
+    /// An inertia matrix is not symmetric: mirrored entries differ by more than 1e-6 of the largest. One that is closer is made symmetric.
+    #[error(
+        "inertia `{name}` is not symmetric: entries mirrored at the diagonal differ by {difference:e}, which is more than 1e-6 of the \
+         largest; its symmetric part is `({name} + {name}.transpose()) / 2.0`"
+    )]
     NotSymmetric {
         /// The field's name.
         name: &'static str,

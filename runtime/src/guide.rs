@@ -11,6 +11,7 @@
 //! * [Describing a system](describing): group, inertia, potential, advected parameters
 //! * [Groups of your own](groups): from a basis, or made of other groups
 //! * [Any energy](energies): Hamiltonians and Lagrangians
+//! * [Spheres and round bodies](spheres): directions, spins, pendulums
 //! * [Choosing retraction, method and order](choosing), and when structure pays
 //! * [Choosing a step](step_size), and where the time scale changes
 //! * [The mathematics](mathematics)
@@ -48,6 +49,7 @@ pages![
     describing,
     groups,
     energies,
+    spheres,
     choosing,
     step_size,
     mathematics,

@@ -9,7 +9,11 @@ pub fn require_finite<T: Real>(name: &'static str, components: &[T]) -> Result<(
     if components.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(ParameterError::NotFinite { name }) }
 }
 
-/// A square matrix (flat, order `dimension`) equal to its transpose up to roundoff, or an error naming the parameter.
+/// How far mirrored entries of an inertia may be apart, in units of its largest entry: single precision, and data that were written down
+/// with seven digits.
+const ASYMMETRY: f64 = 1e-6;
+
+/// A square matrix (flat, order `dimension`) equal to its transpose up to [`ASYMMETRY`], or an error naming the parameter.
 #[doc(hidden)]
 pub fn require_symmetric<T: Real>(
     name: &'static str,
@@ -25,12 +29,25 @@ pub fn require_symmetric<T: Real>(
             difference = difference.max((entry(i, j) - entry(j, i)).abs());
         }
     }
-    // a few units of roundoff of the largest entry: what computing an inertia by rotation leaves
-    if difference <= 8.0 * T::EPSILON * largest {
+    if difference <= ASYMMETRY * largest {
         Ok(())
     } else {
         Err(ParameterError::NotSymmetric { name, difference })
     }
+}
+
+/// The symmetric part of a square matrix (flat, order `dimension`); one that is symmetric stays as it is.
+#[doc(hidden)]
+#[inline]
+pub fn symmetric_part<T: Real, const N: usize>(entries: [T; N], dimension: usize) -> [T; N] {
+    let mut symmetric = entries;
+    for (place, entry) in symmetric.iter_mut().enumerate() {
+        let mirrored = entries.get(place % dimension * dimension + place / dimension);
+        if let Some(&mirrored) = mirrored.filter(|&mirrored| mirrored != entry) {
+            *entry = T::of(0.5) * (*entry + mirrored);
+        }
+    }
+    symmetric
 }
 
 /// All pivots positive, or an error naming the parameter.

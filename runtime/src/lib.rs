@@ -110,8 +110,8 @@ pub use certify::certify;
 ///     Areas = matrices { h: [1, 0; 0, -1], e: [0, 1; 0, 0], f: [0, 0; 1, 0] }
 /// }
 ///
-/// /// A drop that shears freely, with a mark on it.
-/// #[lie_poisson_system(group = Areas!, advected(mark: R2), potential = stiffness * mark.norm_squared())]
+/// /// A drop that spins and shears, tied by a spring to a mark in space, which it sees move.
+/// #[lie_poisson_system(group = Areas!, advected(mark: dual(R2)), potential = stiffness * mark.norm_squared())]
 /// struct Drop {
 ///     #[inertia]
 ///     inertia: Vector3<f64>,
@@ -126,6 +126,7 @@ pub use certify::certify;
 ///     stepper.step(&mut state)?;
 /// }
 /// assert!((state.element.determinant() - 1.0).abs() < 1e-14);
+/// assert!((state.element * state.mark - vector![1.0, 0.0]).norm() < 1e-14);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
@@ -194,7 +195,7 @@ pub mod __private {
     pub use crate::error::ParameterError;
     #[cfg(feature = "std")]
     pub use crate::fused::FusedScalar;
-    pub use crate::inertia::{require_finite, require_positive_definite, require_symmetric};
+    pub use crate::inertia::{require_finite, require_positive_definite, require_symmetric, symmetric_part};
     pub use crate::kernel::{Blocks, Evaluation, Kernel, Program};
     pub use crate::legendre::{finite, newton};
     pub use crate::method::{Method, Outcome};

@@ -230,7 +230,7 @@ impl RotationSpread {
     }
 }
 
-/// The entries of square matrices that are symmetric in the setup, each with its mirror image.
+/// The entries of square matrices that are symmetric in the setup, as inertias are, each with its mirror image.
 fn mirrored(entry: &Entry, setup: &Setup) -> Vec<(usize, usize)> {
     let mut pairs = Vec::new();
     for (quantity, slots) in Quantity::with_ranges(entry.description.parameters) {
@@ -242,7 +242,9 @@ fn mirrored(entry: &Entry, setup: &Setup) -> Vec<(usize, usize)> {
         let of_quantity = |i: usize, j: usize| (slots.start + i * n + j, slots.start + j * n + i);
         let own = (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j))).map(|(i, j)| of_quantity(i, j));
         let own: Vec<_> = own.collect();
-        if own.iter().all(|&(first, second)| setup.parameters[first] == setup.parameters[second]) {
+        let is_mirrored =
+            |&(first, second): &(usize, usize)| setup.parameters[first] == setup.parameters[second];
+        if matches!(quantity.kind, Kind::SymmetricMatrix(_)) || own.iter().all(is_mirrored) {
             pairs.extend(own);
         }
     }

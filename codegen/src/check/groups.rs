@@ -165,14 +165,20 @@ impl Resolved<'_> {
         }
         let names: Vec<&str> = group::catalogue().iter().map(|group| group.name()).collect();
         let guess = suggestion(&text, &names);
+        let of_size = |name: &&str| name.starts_with('R');
         let help = match group::family_meant(&text) {
+            None if text.strip_prefix('R').is_some_and(|n| n.parse::<u32>().is_ok()) => {
+                format!("; of `R(n)` there are {}", list(names.iter().copied().filter(of_size)))
+            }
             // bounds are not the reason of every size that is not there
             Some(family) => format!("; of `{family}` there are {}", list(group::sizes(family))),
             // what is near is meant; what is not may be somebody's own
             None if guess.ends_with('?') => guess,
             None => {
                 let families = list(group::FAMILIES);
-                format!("{guess}; families: {families}; one of your own is written `{text}!`")
+                format!(
+                    "{guess}; families: {families}; one of your own, which `lie_group!` defines, is written `{text}!`"
+                )
             }
         };
         self.diagnostics.fail(name, format!("there is no group `{text}`{help}"))

@@ -79,7 +79,7 @@ impl<'d> Resolver<'d> {
     fn check_coverage(&self, diagnostics: &mut Diagnostics) {
         let marks = self.marks();
         if marks.is_empty() {
-            let message = "which parameter is the inertia? Mark one field with `#[inertia]`";
+            let message = "which parameter is the inertia? Mark one field with `#[inertia]`, or give a `hamiltonian` or a `lagrangian`";
             diagnostics.push(&self.item.name, message);
             return;
         }
@@ -185,9 +185,16 @@ impl<'d> Resolver<'d> {
         let factors = self.marked_factors(mark);
         if factors.len() != length {
             let (name, count) = (&field.name, factors.len());
-            let message = format!(
-                "`{name}` is an array of {length}, but it is the inertia of {count} factors, one of each"
-            );
+            let message = match self.factors.as_slice() {
+                [only] => format!(
+                    "`{name}` is an array, one inertia for each of {length} factors, but there is one factor; its principal moments are a \
+                     vector of {}",
+                    only.group.dimension()
+                ),
+                _ => format!(
+                    "`{name}` is an array of {length}, but it is the inertia of {count} factors, one of each"
+                ),
+            };
             return diagnostics.fail(&field.ty, message);
         }
         let groups = factors.iter().map(|&factor| self.factors[factor].group);

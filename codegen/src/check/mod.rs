@@ -17,6 +17,7 @@ use crate::diagnostics::Diagnostics;
 use crate::group::{Group, Representation};
 use crate::identifiers::Name;
 use crate::parse::{self, Attribute, Item};
+use crate::quantity::ScalarType;
 
 /// A description, resolved: parts refer to each other by index.
 ///
@@ -27,6 +28,8 @@ pub struct Description<'d> {
     pub attribute: &'d Attribute,
     /// The struct.
     pub item: &'d Item,
+    /// What numbers it is made of.
+    pub scalar: ScalarType,
     /// The factors of the configuration's group.
     pub factors: Vec<Factor>,
     /// The advected parameters, in the order declared.
@@ -130,12 +133,12 @@ pub fn resolve<'d>(
     resolver.names_are_free(&advected, diagnostics);
     resolver.names_are_distinct(diagnostics);
     let forces = resolver.forces(diagnostics);
-    resolver.check_scalars(diagnostics);
+    let scalar = resolver.scalar(diagnostics);
     resolver.check_units(&advected, diagnostics);
     let unknown = resolver.unknown_names(&advected);
     let is_sound = attribute.is_sound && item.sound && diagnostics.len() == before;
     let factors = resolver.factors;
-    Description { attribute, item, factors, advected, inertias, forces, unknown, is_sound }
+    Description { attribute, item, scalar, factors, advected, inertias, forces, unknown, is_sound }
 }
 
 /// The name of a factor's momentum.

@@ -40,7 +40,10 @@ impl<'d> Resolver<'d> {
             dimension += group.dimension() * factor.length.unwrap_or(1);
             if dimension > DIMENSION {
                 let name = factor.name.as_ref().unwrap_or_else(|| factor.group.keyword());
-                return diagnostics.fail(name, format!("a system may have dimension {DIMENSION} at most"));
+                let message = format!(
+                    "the factors of a system may have dimension {DIMENSION} together; up to here they have {dimension}"
+                );
+                return diagnostics.fail(name, message);
             }
             Some(group)
         };

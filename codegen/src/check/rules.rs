@@ -8,6 +8,7 @@ use crate::diagnostics::{Diagnostics, suggestion};
 use crate::group::{self, Retraction, part_name};
 use crate::identifiers::{Name, plain, velocity_name};
 use crate::parse::{Attribute, EnergyKey, Key, scalar_name};
+use crate::quantity::ScalarType;
 
 impl<'d> Resolver<'d> {
     fn field_names(&self) -> impl Iterator<Item = &'d Ident> {
@@ -195,21 +196,23 @@ impl<'d> Resolver<'d> {
         syn::Error::new_spanned(force, format!("on what does this force act? Write `force({first} = …)`"))
     }
 
-    /// Controls are made of the same numbers as parameters.
-    pub(super) fn check_scalars(&self, diagnostics: &mut Diagnostics) {
-        let fields = self.item.fields.first().map(|field| field.scalar);
-        let controls = self.attribute.controls.iter().find_map(|control| Some(control.scalar.as_ref()?.0));
-        let Some(expected) = fields.or(controls) else { return };
-        for control in &self.attribute.controls {
-            if let Some((scalar, ty)) = &control.scalar
-                && *scalar != expected
-            {
-                let (here, there) = (scalar_name(*scalar), scalar_name(expected));
-                let message =
-                    format!("this is made of `{here}`, but the system of `{there}`; use one of them for all");
-                diagnostics.push(ty, message);
-            }
+    /// The numbers that the system is made of: all of them the same.
+    pub(super) fn scalar(&self, diagnostics: &mut Diagnostics) -> ScalarType {
+        let Attribute { scalar, controls, .. } = self.attribute;
+        let fields = self.item.fields.iter().map(|field| (field.scalar, &field.ty));
+        let controls =
+            controls.iter().filter_map(|control| control.scalar.as_ref().map(|(of, ty)| (*of, ty)));
+        let first = scalar.or_else(|| fields.clone().chain(controls.clone()).next().map(|(of, _)| of));
+        let expected = first.unwrap_or(ScalarType::F64);
+        // fields that are not alike were reported
+        let fields = fields.filter(|_| scalar.is_some());
+        for (scalar, ty) in fields.chain(controls).filter(|(scalar, _)| *scalar != expected) {
+            let (here, there) = (scalar_name(scalar), scalar_name(expected));
+            let message =
+                format!("this is made of `{here}`, but the system of `{there}`; use one of them for all");
+            diagnostics.push(ty, message);
         }
+        expected
     }
 
     /// The names whose declarations are in error.

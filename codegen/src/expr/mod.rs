@@ -6,6 +6,7 @@ mod display;
 mod entries;
 mod expression;
 mod linear;
+pub(crate) mod modular;
 mod node;
 mod number;
 mod quotient;

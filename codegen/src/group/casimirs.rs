@@ -15,13 +15,12 @@ use num_rational::Ratio;
 
 use super::exact::Rational;
 use super::{Semidirect, Structure};
+use crate::expr::modular::{Echelon, PRIME, Sparse, residue};
 
 /// The largest degree that is searched.
 const DEGREE: usize = 4;
 /// How many monomials a part of the search may have.
 const MONOMIALS: usize = 1_000;
-/// Modulo this all products fit.
-const PRIME: u64 = 2_147_483_629;
 
 /// Indices of variables, sorted, each as often as its exponent.
 type Monomial = Vec<usize>;
@@ -234,9 +233,6 @@ fn times<T: Copy + Add<Output = T> + Mul<Output = T>>(
     product
 }
 
-/// A sparse vector modulo the prime.
-type Sparse<K> = BTreeMap<K, u64>;
-
 fn modular(polynomial: Polynomial) -> Sparse<Monomial> {
     let coefficient = |x: i64| residue(Ratio::from_integer(x));
     polynomial.into_iter().map(|(monomial, x)| (monomial, coefficient(x))).collect()
@@ -305,91 +301,6 @@ fn derivation<'p, T: Copy>(
             (changed, coefficient, constant)
         })
     })
-}
-
-/// Rows that are independent, each with a last entry that no other one has.
-struct Echelon<K> {
-    rows: Vec<Sparse<K>>,
-    pivots: BTreeMap<K, usize>,
-}
-
-impl<K> Default for Echelon<K> {
-    fn default() -> Self {
-        Self { rows: Vec::new(), pivots: BTreeMap::new() }
-    }
-}
-
-impl<K: Ord + Clone> Echelon<K> {
-    /// Adds what a row has beside those that there are; says whether there is anything.
-    fn insert(&mut self, row: Sparse<K>) -> bool {
-        let rest = self.reduce(row);
-        self.push(rest)
-    }
-
-    /// A row without multiples of those that there are, up to a last entry that none of them has.
-    fn reduce(&self, mut row: Sparse<K>) -> Sparse<K> {
-        while let Some((pivot, &value)) = row.last_key_value()
-            && let Some(&place) = self.pivots.get(pivot)
-        {
-            subtract(&mut row, value, &self.rows[place]);
-        }
-        row
-    }
-
-    /// Adds a reduced row; says whether there is anything in it.
-    fn push(&mut self, mut row: Sparse<K>) -> bool {
-        let Some((pivot, &value)) = row.last_key_value() else { return false };
-        let scale = inverse(value);
-        self.pivots.insert(pivot.clone(), self.rows.len());
-        row.values_mut().for_each(|x| *x = *x * scale % PRIME);
-        self.rows.push(row);
-        true
-    }
-
-    /// The rows from this one on, without the last entries of all others; those with the last ones first.
-    fn reduced(&self, from: usize) -> Vec<Sparse<K>> {
-        let places = self.pivots.iter().rev().filter(|&(_, &place)| place >= from);
-        let reduced = |(own, &place): (&K, &usize)| {
-            let mut row = self.rows[place].clone();
-            for (pivot, &other) in self.pivots.iter().rev().filter(|&(pivot, _)| pivot != own) {
-                if let Some(&value) = row.get(pivot) {
-                    subtract(&mut row, value, &self.rows[other]);
-                }
-            }
-            row
-        };
-        places.map(reduced).collect()
-    }
-}
-
-/// `row −= factor · other`
-fn subtract<K: Ord + Clone>(row: &mut Sparse<K>, factor: u64, other: &Sparse<K>) {
-    for (key, value) in other {
-        let entry = row.entry(key.clone()).or_insert(0);
-        *entry = (*entry + PRIME - factor * value % PRIME) % PRIME;
-        if *entry == 0 {
-            row.remove(key);
-        }
-    }
-}
-
-fn residue(number: Ratio<i64>) -> u64 {
-    let prime = PRIME as i64;
-    let part = |x: i64| x.rem_euclid(prime) as u64;
-    part(*number.numer()) * inverse(part(*number.denom())) % PRIME
-}
-
-/// `x⁻¹`, by Fermat's little theorem.
-fn inverse(x: u64) -> u64 {
-    let (mut power, mut exponent, mut result) = (x, PRIME - 2, 1);
-    while exponent > 0 {
-        if exponent % 2 == 1 {
-            result = result * power % PRIME;
-        }
-        power = power * power % PRIME;
-        exponent /= 2;
-    }
-    result
 }
 
 /// Numerator and denominator, both small, of the fraction that is `x` modulo the prime.

@@ -16,7 +16,7 @@ use super::{
     Basis, Component, ComponentValue, EquationNames, Equations, Group, GroupNames, MatrixFunction, Moved,
     Representation, Retraction, Side, SpaceNames, Translation, families,
 };
-use crate::expr::{Expr, Number, Vector};
+use crate::expr::{Expr, Function, Number, Vector};
 use crate::quantity::Kind;
 
 /// Groups of unit quaternions.
@@ -240,13 +240,33 @@ const SPINS: GroupNames = GroupNames {
     ..ROTATIONS
 };
 
-/// The components of a quaternion.
+/// The components of a quaternion `(w, u)`, and nalgebra's methods for the rotation's angle `θ` from 0 to π, and for `θ`
+/// times its axis.
 const COMPONENTS: &[Component] = &[
     Component { name: "w", called: false, of: |g| ComponentValue::Scalar(g.0[0]) },
     Component { name: "i", called: false, of: |g| ComponentValue::Scalar(g.0[1]) },
     Component { name: "j", called: false, of: |g| ComponentValue::Scalar(g.0[2]) },
     Component { name: "k", called: false, of: |g| ComponentValue::Scalar(g.0[3]) },
+    Component {
+        name: "angle",
+        called: true,
+        of: |g| ComponentValue::Scalar(g.part(1..4).squared_norm().sqrt() * angle_by_vector(g)),
+    },
+    Component {
+        name: "scaled_axis",
+        called: true,
+        of: |g| {
+            let sign = g.0[0] / g.0[0].powi(2).sqrt();
+            ComponentValue::Vector(g.part(1..4).scale(sign * angle_by_vector(g)))
+        },
+    },
 ];
+
+/// `θ/|u| = 2 a(|w|)`, with `a = φ / sin φ` as a function of `cos φ` at the angle `φ = θ/2`. It is smooth where there is
+/// no rotation, and the same for both quaternions of one.
+fn angle_by_vector<'a>(g: &Vector<'a>) -> Expr<'a> {
+    g.0[0].powi(2).sqrt().apply(Function::AngleOverSine(0)) * 2
+}
 
 /// `R v = v + 2w u × v + 2 u × (u × v)` for the quaternion `(w, u)`.
 fn turned<'a>(g: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {

@@ -1,9 +1,11 @@
 //! Components by name and by index.
 
+use proc_macro2::{Delimiter, Group, Literal, TokenStream, TokenTree};
+use quote::ToTokens;
 use syn::{ExprField, ExprIndex, Member};
 
 use super::lowering::Lowering;
-use super::value::{COMPONENTS, Value};
+use super::value::{COMPONENTS, Element, Value};
 use crate::diagnostics::list;
 
 impl<'a> Lowering<'a, '_> {
@@ -32,11 +34,13 @@ impl<'a> Lowering<'a, '_> {
                     return at(&base, *place);
                 }
                 let what = base.describe();
+                let by_number =
+                    if let Value::Vector(_) = base { "; a component by its number is `[0]`" } else { "" };
                 if names.is_empty() {
-                    return self.fail(name, format!("{what} has no components"));
+                    return self.fail(name, format!("{what} has no components of a name{by_number}"));
                 }
                 let known: Vec<&str> = names.iter().map(|(known, _)| known.as_str()).collect();
-                let message = format!("{what} has no component `{written}`, but {}", list(known));
+                let message = format!("{what} has no component `{written}`, but {}{by_number}", list(known));
                 self.fail(name, message)
             }
             Member::Unnamed(index) => match &base {
@@ -67,7 +71,13 @@ impl<'a> Lowering<'a, '_> {
             return within(k, n).map(|k| values[k].clone()).or_else(|| self.fail(&index.index, message()));
         }
         let Some(matrix) = base.as_matrix() else {
-            return self.fail(index, format!("{} cannot be indexed", base.describe()));
+            let of_axis = |element: &Element<'a>| {
+                let n = element.group.representations().first()?.coordinates().len();
+                Some(format!("; a column of its matrix is the image of an axis, as `g * Vector{n}::x()`"))
+            };
+            let hint = if let Value::Element(element) = &base { of_axis(element) } else { None };
+            let message = format!("{} cannot be indexed{}", base.describe(), hint.unwrap_or_default());
+            return self.fail(index, message);
         };
         let (rows, columns) = (matrix.rows, matrix.columns);
         let pair = match &place {
@@ -95,6 +105,66 @@ impl<'a> Lowering<'a, '_> {
     }
 }
 
+/// The expression with coordinates that are taken by their own names, `momentum.r12`, taken by their numbers, as rustc
+/// knows them: `momentum[0]`. `vectors` are given as they are written; names that nalgebra has for their components stay.
+pub fn by_index(expr: &syn::Expr, vectors: &[(String, &[&str])]) -> syn::Expr {
+    let mut is_changed = false;
+    let tokens = with_indices(expr.to_token_stream(), vectors, &mut is_changed);
+    let changed = is_changed.then(|| syn::parse2(tokens).ok()).flatten();
+    changed.unwrap_or_else(|| expr.clone())
+}
+
+/// The same of tokens, as those of `vector![…]` are no expression yet.
+fn with_indices(tokens: TokenStream, vectors: &[(String, &[&str])], is_changed: &mut bool) -> TokenStream {
+    let mut done: Vec<TokenTree> = Vec::new();
+    for token in tokens {
+        let token = match token {
+            TokenTree::Group(group) => {
+                let inner = with_indices(group.stream(), vectors, is_changed);
+                let mut copy = Group::new(group.delimiter(), inner);
+                copy.set_span(group.span());
+                TokenTree::Group(copy)
+            }
+            other => other,
+        };
+        let place = match (&token, done.as_slice()) {
+            (TokenTree::Ident(name), [before @ .., TokenTree::Punct(dot)]) if dot.as_char() == '.' => {
+                coordinate(before, &name.to_string(), vectors)
+            }
+            _ => None,
+        };
+        match place {
+            Some(place) => {
+                let mut index = Literal::usize_unsuffixed(place);
+                index.set_span(token.span());
+                let mut brackets = Group::new(Delimiter::Bracket, TokenTree::Literal(index).into());
+                brackets.set_span(token.span());
+                done.pop();
+                done.push(TokenTree::Group(brackets));
+                *is_changed = true;
+            }
+            None => done.push(token),
+        }
+    }
+    done.into_iter().collect()
+}
+
+/// The number of the coordinate of this name, of the vector that these tokens end with.
+fn coordinate(before: &[TokenTree], name: &str, vectors: &[(String, &[&str])]) -> Option<usize> {
+    let is_dot = |token: &TokenTree| matches!(token, TokenTree::Punct(dot) if dot.as_char() == '.');
+    let start = before.iter().rposition(|token| matches!(token, TokenTree::Ident(_)))?;
+    let written: String = before[start..].iter().map(ToString::to_string).collect();
+    let is_whole = start.checked_sub(1).is_none_or(|last| !is_dot(&before[last]));
+    let (_, names) = vectors.iter().find(|(vector, _)| is_whole && *vector == written)?;
+    let place = names.iter().position(|known| *known == name)?;
+    (!component_names(names.len()).contains(&name)).then_some(place)
+}
+
+/// The names that nalgebra has for the components of a vector of this length.
+fn component_names(length: usize) -> &'static [&'static str] {
+    COMPONENTS.get(..length).unwrap_or(&[])
+}
+
 fn is_self(expr: &syn::Expr) -> bool {
     matches!(expr, syn::Expr::Path(path) if path.path.is_ident("self"))
 }
@@ -102,7 +172,7 @@ fn is_self(expr: &syn::Expr) -> bool {
 /// The names of a value's components, with their places.
 fn names(value: &Value<'_>) -> Vec<(String, (usize, usize))> {
     let named = |n: usize, place: fn(usize) -> (usize, usize)| {
-        COMPONENTS.iter().take(n).enumerate().map(|(i, name)| ((*name).to_owned(), place(i))).collect()
+        component_names(n).iter().enumerate().map(|(i, name)| ((*name).to_owned(), place(i))).collect()
     };
     match value {
         Value::Vector(vector) | Value::Point(vector) => named(vector.len(), |i| (i, 0)),

@@ -16,6 +16,7 @@ mod scope;
 mod sequence;
 mod value;
 
+pub use access::by_index;
 pub use scope::{Constant, Scope};
 pub use value::{Element, Value};
 

@@ -13,7 +13,7 @@ use crate::diagnostics::Diagnostics;
 use crate::expr::{Arena, Expr, Matrix, Stage, Symbol, Vector};
 use crate::group::{Group, Product, Semidirect, consecutive, part_name};
 use crate::identifiers::{plain, velocity_name};
-use crate::language::{Scope, Value, lower_forces, lower_scalar};
+use crate::language::{Scope, Value, by_index, lower_forces, lower_scalar};
 use crate::parse::Control;
 use crate::quantity::{Kind, Role, Shape, Side};
 
@@ -27,9 +27,10 @@ impl<'a> System<'a> {
         diagnostics: &mut Diagnostics,
     ) -> Option<Self> {
         let before = diagnostics.len();
-        let (momenta, velocities) = (Vec::new(), Vec::new());
+        let (momenta, velocities, coordinates) = Default::default();
+        let scope = Scope::new();
         let mut builder =
-            Builder { arena, description, scope: Scope::new(), diagnostics, momenta, velocities };
+            Builder { arena, description, scope, diagnostics, momenta, velocities, coordinates };
         description.unknown.iter().for_each(|name| builder.scope.define_unknown(name));
         let (parameters, values) = builder.parameters();
         let mut factors: Vec<Factor<'a>> =
@@ -67,7 +68,7 @@ impl<'a> System<'a> {
         }
         let system = Self {
             name: plain(&description.item.name),
-            scalar: description.item.scalar(),
+            scalar: description.scalar,
             group,
             factors,
             parameters,
@@ -107,6 +108,8 @@ struct Builder<'s, 'a> {
     momenta: Vec<String>,
     /// Those of velocities, with the momenta in which an energy is to be written instead.
     velocities: Vec<(String, String)>,
+    /// Vectors as they are written, with the names of their coordinates.
+    coordinates: Vec<(String, &'static [&'static str])>,
 }
 
 impl<'a> Builder<'_, 'a> {
@@ -180,6 +183,9 @@ impl<'a> Builder<'_, 'a> {
             let values = [value(&momentum), value(&velocity)];
             self.define_motion(name, part, values);
         }
+        for whole in [&names.momentum, &names.velocity] {
+            self.coordinates.push((name.in_brackets(whole), group.axes()));
+        }
         self.define_motion(name, names, [&momentum, &velocity].map(|whole| Value::Vector(whole.clone())));
         Factor {
             name: name.clone(),
@@ -206,6 +212,7 @@ impl<'a> Builder<'_, 'a> {
             let value = self.symbols(&declared.name.plain(), declared.space.coordinates());
             let whole = plain(&declared.name.ident);
             define(&mut self.scope, &declared.name, &whole, Value::Vector(value.clone()));
+            self.coordinates.push((declared.name.in_brackets(&whole), declared.space.coordinates()));
             group.factors[declared.factor].spaces.push(declared.space);
             let factor = &mut factors[declared.factor];
             factor.advected.push(Advected { name: declared.name.clone(), value });
@@ -245,11 +252,11 @@ impl<'a> Builder<'_, 'a> {
     /// Lowers the user's energies; zero for one that has no meaning.
     fn energies(&mut self, sources: &mut Sources) -> Vec<(EnergyKey, Expr<'a>)> {
         let lower = |key: EnergyKey| {
-            let source = self.description.attribute.energy(key)?;
+            let source = by_index(self.description.attribute.energy(key)?, &self.coordinates);
             self.scope.forbid(self.forbidden(key));
-            let value = lower_scalar(key.row().what, source, &mut self.scope, self.arena, self.diagnostics);
+            let value = lower_scalar(key.row().what, &source, &mut self.scope, self.arena, self.diagnostics);
             self.scope.forbid(Vec::new());
-            sources.energies.push(EnergySource { key, value: source.clone(), has_meaning: value.is_some() });
+            sources.energies.push(EnergySource { key, value: source, has_meaning: value.is_some() });
             Some((key, value.map_or_else(|| self.arena.zero(), Expr::with_limits)))
         };
         EnergyKey::ALL.into_iter().filter_map(lower).collect()
@@ -265,9 +272,10 @@ impl<'a> Builder<'_, 'a> {
                 Some(Factors::One(_)) | None => None,
             };
             let on = (first.map(|factor| group.factors[factor].group), length);
-            let (values, form) = lower_forces(force.value, on, scope, arena, self.diagnostics).unzip();
+            let source = by_index(force.value, &self.coordinates);
+            let (values, form) = lower_forces(&source, on, scope, arena, self.diagnostics).unzip();
             let Some(acted) = &force.factors else { continue };
-            sources.forces.push(ForceSource { factors: acted.clone(), value: force.value.clone(), form });
+            sources.forces.push(ForceSource { factors: acted.clone(), value: source, form });
             let mut values = values.unwrap_or_default().into_iter();
             for factor in &mut factors[acted.indices()] {
                 // of a force in error, whatever it is

@@ -43,6 +43,8 @@ pub struct Attribute {
     pub derivatives: Derivatives,
     /// `units(momentum = "N m s", …)`
     pub units: Vec<Unit>,
+    /// `scalar = f32`
+    pub scalar: Option<ScalarType>,
     /// `crate = …`
     pub krate: Option<syn::Path>,
     /// What `lie_group!` says of groups that are named by their paths.
@@ -217,6 +219,7 @@ impl Attribute {
             Key::Retractions => self.retractions = reader.retractions(input)?,
             Key::Derivatives => self.derivatives = reader.derivatives(input)?,
             Key::Units => self.units = reader.entries(input, unit, |it| Some(&it.name))?,
+            Key::Scalar => self.scalar = reader.scalar(input)?,
             Key::Crate => self.krate = reader.crate_path(input)?,
         }
         Ok(())
@@ -368,6 +371,15 @@ impl Reader<'_> {
             Some("right") => Ok(true),
             Some(_) => Err(syn::Error::new_spanned(side, "a system is `left`- or `right`-invariant")),
         }
+    }
+
+    /// `= f32` or `= f64`
+    fn scalar(&mut self, input: ParseStream<'_>) -> syn::Result<Option<ScalarType>> {
+        let name: Option<Ident> =
+            self.equals(input, Parse::parse).map_err(|error| with_example(error, self.key))?;
+        let Some(name) = name else { return Ok(None) };
+        let known = shape::scalar_named(&name.to_string());
+        known.map(Some).ok_or_else(|| syn::Error::new_spanned(name, "a system is made of `f64` or `f32`"))
     }
 
     /// `(Midpoint, SymplecticEulerB, Family(1, 4))`

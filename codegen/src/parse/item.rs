@@ -94,14 +94,10 @@ impl Item {
         }
         let named = match &mut declaration.fields {
             Fields::Named(fields) => &mut fields.named,
+            Fields::Unit => &mut Punctuated::new(),
             Fields::Unnamed(fields) => {
                 let message = "the parameters of a system need names; write `struct Name { name: Type, … }`";
                 return diagnostics.fail(&*fields, message);
-            }
-            Fields::Unit => {
-                let message =
-                    "a system needs parameters, at least its inertia; write `struct Name { #[inertia] … }`";
-                return diagnostics.fail(&declaration.ident, message);
             }
         };
         let (mut fields, mut unreadable) = (Vec::new(), Vec::new());
@@ -138,13 +134,6 @@ impl Item {
             unreadable,
             sound: diagnostics.len() == before,
         })
-    }
-}
-
-impl Item {
-    /// The type of the system's numbers.
-    pub fn scalar(&self) -> ScalarType {
-        self.fields.first().map_or(ScalarType::F64, |field| field.scalar)
     }
 }
 

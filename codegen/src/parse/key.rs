@@ -23,6 +23,8 @@ pub enum Key {
     Derivatives,
     /// The units of state and controls.
     Units,
+    /// What numbers the system is made of, where no field tells.
+    Scalar,
     /// Where the runtime crate is found.
     Crate,
 }
@@ -95,6 +97,7 @@ impl Key {
             Self::Retractions,
             Self::Derivatives,
             Self::Units,
+            Self::Scalar,
         ];
         let energies = EnergyKey::ALL.into_iter().map(Self::Energy);
         [Self::Group, Self::Advected].into_iter().chain(energies).chain(rest).chain([Self::Crate])
@@ -113,6 +116,7 @@ impl Key {
             Self::Retractions => ("retractions", "retractions(Cayley)"),
             Self::Derivatives => ("derivatives", "derivatives(state)"),
             Self::Units => ("units", "units(momentum = \"N m s\")"),
+            Self::Scalar => ("scalar", "scalar = f32"),
             Self::Crate => ("crate", "crate = path::to::coadjoint"),
         }
     }

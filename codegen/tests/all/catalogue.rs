@@ -114,7 +114,7 @@ fn the_catalogue_keeps_to_its_budget() {
         tokens += count(expansion.into_tokens());
     }
     all.push(format!("{systems} systems, {kernels} kernels, {tokens} tokens"));
-    assert!(kernels <= 120 && tokens <= 728_000, "{kernels} kernels, {tokens} tokens");
+    assert!(kernels <= 120 && tokens <= 730_000, "{kernels} kernels, {tokens} tokens");
     assert_snapshot("catalogue", &all);
 }
 
@@ -259,4 +259,34 @@ fn messages_are_those_that_the_compiler_shows() {
         }
     }
     assert!(found > 100, "{found} messages");
+}
+
+/// A name of a type that a user's crate may have for something else.
+fn bare_types(stream: TokenStream) -> Vec<String> {
+    let trees: Vec<TokenTree> = stream.into_iter().collect();
+    let of = |(place, tree): (usize, &TokenTree)| match tree {
+        TokenTree::Group(group) => bare_types(group.stream()),
+        TokenTree::Ident(name) => {
+            let name = name.to_string();
+            let before: String =
+                trees[place.saturating_sub(3)..place].iter().map(ToString::to_string).collect();
+            let is_path = before.ends_with("primitive::") || before.ends_with("core::");
+            let is_type = ["f64", "f32", "usize", "bool", "u32", "str"].contains(&name.as_str());
+            if is_type && !is_path { vec![name] } else { Vec::new() }
+        }
+        _ => Vec::new(),
+    };
+    trees.iter().enumerate().flat_map(of).collect()
+}
+
+#[test]
+fn types_of_the_language_have_their_paths() {
+    for (file, Description { attribute, item }) in described("systems/src") {
+        let expansion = expand(attribute, item).expect("a valid description");
+        let Expansion { state, system, geometry, tangents, steps, schemes, .. } = &expansion;
+        let steps =
+            steps.iter().map(|StepExpansion { tokens, derivative, .. }| quote! { #tokens #derivative });
+        let all = quote! { #state #system #geometry #tangents #schemes #(#steps)* };
+        assert_eq!(bare_types(all), [""; 0], "{file}");
+    }
 }

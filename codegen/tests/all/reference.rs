@@ -2,7 +2,8 @@
 //!
 //! After a change of the language, `UPDATE_REFERENCE=1 cargo test -p coadjoint-codegen` writes it anew.
 
-use coadjoint_codegen::group::{Group, Retraction, catalogue, family, one_word, part_name};
+use coadjoint_codegen::expr::{Arena, Stage, Vector};
+use coadjoint_codegen::group::{Group, MatrixGroup, Retraction, catalogue, family, one_word, part_name};
 use coadjoint_codegen::language::words::{
     self, ARRAY_METHODS, CONSTRUCTORS, ITERATOR_METHODS, NOT_SMOOTH, POINTS, RANGE,
 };
@@ -88,6 +89,17 @@ const FAMILIES: [(&str, &str); 11] = [
     ("Aff(1)", "scalings and translations of the line"),
 ];
 
+/// The matrix of the algebra that has these coordinates, by rows, as it is written in a basis.
+fn general_matrix(group: &MatrixGroup) -> String {
+    let arena = Arena::new();
+    let x = Vector(group.axes().iter().map(|axis| arena.symbol(*axis, Stage::Step)).collect());
+    let space = group.representations()[0];
+    let unit = |j: usize| Vector((0..group.size()).map(|k| arena.number(i64::from(k == j))).collect());
+    let columns: Vec<_> = (0..group.size()).map(|j| space.act_infinitesimally(&x, &unit(j))).collect();
+    let row = |i: usize| columns.iter().map(|column| column.0[i].to_string()).collect::<Vec<_>>().join(", ");
+    format!("[{}]", (0..group.size()).map(row).collect::<Vec<_>>().join("; "))
+}
+
 /// Groups that are derived from a basis.
 fn matrix_groups() -> String {
     let row = |(name, about): (&str, &str)| {
@@ -102,6 +114,8 @@ fn matrix_groups() -> String {
         ))
     };
     let rows: Vec<String> = FAMILIES.into_iter().filter_map(row).collect();
+    let known = FAMILIES.into_iter().filter_map(|(name, _)| Some((name, family(&one_word(name))?)));
+    let bases = known.map(|(name, group)| format!("* `{name}`: `{}`\n", general_matrix(group)));
     format!(
         "# Groups of matrices\n\n\
          A basis of the Lie algebra is all that a group needs, in whole numbers and with a name for each coordinate:\n\n\
@@ -111,6 +125,8 @@ fn matrix_groups() -> String {
          Structure constants, both retractions with their derivatives, Casimirs and the projection onto the group are derived from it exactly. What \
          is no basis of a Lie algebra is an error at its matrix. There are up to 16 coordinates, and matrices of up to 12 rows. Some have names:\n\n\
          | group | what it is | matrices | coordinates | retractions |\n|---|---|---|---|---|\n{}\n\
+         Their bases are these: the matrix of the algebra with these coordinates, by rows. Other sizes go on in the same way; in `SU(n)` a complex \
+         number `a + ib` is the block `[a, -b; b, a]`, and in three dimensions `x`, `y`, `z` turn about the axes as those of `SO3` do.\n\n{}\n\
          Groups are made of others, of those with names too. Each part has a name, which the coordinates and the parts of the momentum begin with:\n\n\
          | written | is |\n|---|---|\n\
          | `product(vehicle: SE3, rotor: SO2)` | the direct product, one momentum for all; blocks of one matrix |\n\
@@ -119,13 +135,16 @@ fn matrix_groups() -> String {
          | `Areas!`, `groups::Areas!` | one that [`lie_group!`](crate::lie_group) defines |\n\n\
          * The field of the state is `element`, an `SMatrix`; a factor has the name that it is given. In expressions it is that matrix: \
          `element[(0, 1)]`, `element.transpose()`, `element * v`. The momentum is an `SVector` of coordinates with respect to the dual basis.\n\
-         * The group acts on columns of as many numbers as the matrices have rows: `advected(v: R2)`.\n\
+         * The group acts on columns of as many numbers as the matrices have rows: `advected(v: R2)`. An advected parameter belongs to what is dual \
+         to its space, as a momentum does: it is `ρ(g)ᵀ v` for a constant `v`, with the matrix `ρ(g)` by which `g` acts. A point that stands still in \
+         space, `g⁻¹ v`, is one of `dual(R2)`. For rotations these are the same.\n\
          * Every group, of the catalogue too, acts on its algebra, `advected(a: adjoint)`, on the dual of that, `coadjoint`, and on the dual of \
          each of its spaces, `dual(R2)`; on the first two with the exponential alone. A space of your own has a matrix for each coordinate: `advected(q: matrices {{ h: [2], e: [0], f: [0] }})`.\n\
          * The exponential is a finite sum where the matrices, or those of each ideal, are annihilated by `λᵃ (λ² + z)^q`. Otherwise its series is \
          summed within `|ad_x|² + |X|² ≤ 9/4`, for up to 10 coordinates; where there is another retraction that is done only if `retractions(…)` \
          asks for it. The Cayley map is there where it stays on the group.\n\n",
         rows.concat(),
+        bases.collect::<String>(),
     )
 }
 
@@ -133,7 +152,7 @@ fn matrix_groups() -> String {
 fn arrays() -> String {
     format!(
         "# Arrays\n\n\
-         Equal factors may be an array, `group(spins: [SO3; 4])`, of up to 32. It is a row of factors with one name: the state has the fields `spins` and \
+         Equal factors may be an array, `group(spins: [SO3; 4])`, of up to 32, as long as the dimensions of all factors add up to 96 at most. It is a row of factors with one name: the state has the fields `spins` and \
          `spins_momentum`, which are arrays.\n\n\
          | of an array | written |\n|---|---|\n\
          | one factor, after its declaration | `force(spins[0] = …)`, `#[inertia(spins[0])]`, `advected(gamma: spins[0]::R3)` |\n\
@@ -233,7 +252,8 @@ fn expressions() -> String {
          * Names: fields, factors, momenta, velocities (in forces), advected parameters, controls, the time `t`, and constants of \
          your own, `GRAVITY` or `std::f64::consts::PI`.\n\
          * `+ - * /`, signs, parentheses, references, blocks with `let`, `integer as f64`, `f64::from(integer)`; of integers `%` and `as i32` too.\n\
-         * Components: `v.x`, `v[0]`, `m.m12`, `m[(0, 1)]`; a matrix is indexed by rows and columns, with one index by columns.\n\
+         * Components: `v.x`, `v[0]`, `m.m12`, `m[(0, 1)]`; a matrix is indexed by rows and columns, with one index by columns. Momenta, velocities and \
+         advected parameters know their coordinates by name too: `momentum.r12`, `spins_momentum[0].h`.\n\
          * `g * v` and `g * h` for an element `g` of a group; of rigid motions `g * p` for a point `p`, while a vector is turned by \
          `transform_vector`.\n\
          * Constructors: `vector![x, y]`, `matrix![a, b; c, d]`, and of the types of nalgebra {}.\n\
@@ -242,8 +262,9 @@ fn expressions() -> String {
          * `try_inverse()` of a matrix of up to four rows, taken with `.unwrap()` or `.expect(\"…\")`: by cofactors, over the determinant. A step \
          that meets a singular matrix fails as one whose state is not finite; the method that is emitted for your text panics as `unwrap` \
          says.\n\
-         * `angle()` of `SO2` is above −π and at most π: an energy of it jumps at half a turn, unless its derivative is the same on both \
-         sides.\n\
+         * `angle()` of `SO2` is above −π and at most π, that of `SO3` and `SU2` from 0 to π, and `scaled_axis()` is the axis times it: an \
+         energy of these jumps at half a turn, unless its derivative is the same on both sides. Where a half turn has lost its axis, a step \
+         fails.\n\
          * Zero is a state like others: `v.norm() * v`, `x.norm().powi(3)` and the square of an angle have their derivatives there. Where there \
          is none, as of `v.norm()` alone at rest, a Jacobian is an error, and a step that needs it fails.\n\
          * What is not smooth has no derivative and is refused: {}; choices, comparisons and remainders of numbers too.\n\n",

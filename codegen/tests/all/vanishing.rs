@@ -2,6 +2,7 @@
 
 use crate::evaluate::Evaluate as _;
 use coadjoint_codegen::expr::{Arena, Expr, Function, Number, Stage, Vector, gradient};
+use coadjoint_codegen::group::{self, ComponentValue, Group as _};
 
 /// An energy of `x, y, z` and `w`, which is one where the others are zero.
 type Energy = for<'a> fn([Expr<'a>; 4]) -> Expr<'a>;
@@ -326,4 +327,63 @@ fn other_roots_are_as_they_were() {
     // nothing is divided where algebra can do without
     assert_eq!(of((x * x).sqrt() * x), "2 sqrt(x^2)");
     assert_eq!(of((x * x + y * y).sqrt().powi(3)), "3 x sqrt(x^2 + y^2)");
+}
+
+/// What nalgebra calls `angle()` or `scaled_axis()` of a quaternion whose symbols are those of an [`Energy`].
+fn component<'a>(name: &str, [x, y, z, w]: [Expr<'a>; 4]) -> Vec<Expr<'a>> {
+    let components = group::SO3.names().components;
+    let component = components.iter().find(|component| component.name == name).expect("it has one");
+    match (component.of)(&Vector(vec![w, x, y, z])) {
+        ComponentValue::Scalar(scalar) => vec![scalar],
+        ComponentValue::Vector(vector) => vector.0,
+        ComponentValue::Element(..) => panic!("{name} is a number or a vector"),
+    }
+}
+
+/// `g exp(δ)` changes by `g δ/2`: the derivative along it of something by the quaternion.
+fn along_the_group(derivative: &[f64], [x, y, z, w]: [f64; 4]) -> [f64; 3] {
+    let changes = [[w, z, -y, -x], [-z, w, x, -y], [y, -x, w, -z]];
+    changes.map(|change| change.iter().zip(derivative).map(|(a, b)| a * b / 2.0).sum())
+}
+
+/// With `x = scaled_axis`: `dx = (1 + ½ x̂ + (1/θ² − cot(θ/2)/2θ) x̂²) δ`, and `dθ² = 2 x·δ`, at both quaternions of a
+/// rotation.
+#[test]
+fn angle_and_scaled_axis_are_smooth_but_at_half_a_turn() {
+    let scaled_axis: [Energy; 3] = [
+        |v| component("scaled_axis", v)[0],
+        |v| component("scaled_axis", v)[1],
+        |v| component("scaled_axis", v)[2],
+    ];
+    let squared = derived(|v| component("angle", v)[0].powi(2));
+    let angle = derived(|v| component("angle", v)[0]);
+    let scaled_axis = scaled_axis.map(derived);
+    let unit = nalgebra::Vector3::new(0.6, -0.48, 0.64);
+    for theta in [0.0, 1e-200, 1e-9, 1e-4, 0.3, 1.0, 2.0, 3.0, 3.1_f64] {
+        let x = theta * unit;
+        let factor =
+            if theta < 1e-3 { 1.0 / 12.0 } else { 1.0 / theta.powi(2) - 0.5 / (theta * (theta / 2.0).tan()) };
+        let hat = x.cross_matrix();
+        let expected = nalgebra::Matrix3::identity() + hat * 0.5 + hat * hat * factor;
+        for sign in [1.0, -1.0] {
+            let u = sign * (theta / 2.0).sin() * unit;
+            let at = [u.x, u.y, u.z, sign * (theta / 2.0).cos()];
+            let what = format!("{theta}, {sign}");
+            assert_close(&what, &[(angle.value)(at), (squared.value)(at)], &[theta, theta * theta], 1e-14);
+            let gradient = along_the_group(&(squared.gradient)(at), at);
+            assert_close(&what, &gradient, (2.0 * x).as_slice(), 1e-13);
+            for (k, component) in scaled_axis.iter().enumerate() {
+                assert_close(&what, &[(component.value)(at)], &[x[k]], 1e-14);
+                let row: Vec<f64> = expected.row(k).iter().copied().collect();
+                assert_close(&what, &along_the_group(&(component.gradient)(at), at), &row, 1e-11);
+                // second derivatives too
+                let found = differences(|v| (component.gradient)(v), at, 1e-5);
+                assert_close(&what, &(component.hessian)(at), &found, 1e-4);
+            }
+        }
+    }
+    // the axis is lost
+    let half_turn = [0.6, 0.0, 0.8, 0.0];
+    assert!((scaled_axis[0].value)(half_turn).is_nan());
+    assert!((squared.gradient)(half_turn).iter().any(|x| !x.is_finite()));
 }

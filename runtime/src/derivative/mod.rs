@@ -41,7 +41,7 @@
 //! // more momentum, more turn: about h / inertia
 //! let turn = block(&wrt_state, TopIndices::ATTITUDE, TopIndices::MOMENTUM);
 //! assert!((turn[(0, 0)] - 0.01).abs() < 1e-4);
-//! // more weight, more moment: about h chi × gamma, which is nothing for a top that stands upright
+//! // more weight, more moment: about h gamma × chi, which is nothing for a top that stands upright
 //! assert!(block(&wrt_parameters, TopIndices::MOMENTUM, TopIndices::WEIGHT).norm() < 1e-3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

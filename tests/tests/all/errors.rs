@@ -8,7 +8,7 @@ use coadjoint_support::for_each_system_and_retraction;
 use coadjoint_support::measure::order;
 use coadjoint_support::random::Random;
 use coadjoint_support::systems::{
-    FreeRigidBody, FreeRigidBodyState, HeavyTop, HeavyTopState, Sample, TiltedBody,
+    FreeRigidBody, FreeRigidBodyState, HeavyTop, HeavyTopState, Sample, TiltedBody, TiltedBodyState,
 };
 
 fn top() -> HeavyTop {
@@ -75,6 +75,33 @@ fn inertia_matrices_must_be_symmetric() {
         let inertia = axes * Matrix3::from_diagonal(&random.moments()) * axes.transpose();
         assert_eq!(TiltedBody { inertia }.validate(), Ok(()), "{inertia}");
     }
+}
+
+/// Data of a tool that computes in single precision: what the tool meant is the symmetric part.
+#[test]
+fn inertias_of_single_precision_are_made_symmetric() {
+    let mut random = Random::new(2);
+    let mut crooked = 0;
+    for _ in 0..200 {
+        let axes = random.rotation().to_rotation_matrix().into_inner().map(|x| x as f32);
+        let moments = Matrix3::from_diagonal(&random.moments()).map(|x| x as f32);
+        let given = (axes * moments * axes.transpose()).map(f64::from);
+        let symmetric = (given + given.transpose()) / 2.0;
+        crooked += usize::from(given != symmetric);
+        let start = TiltedBodyState { attitude: random.rotation(), momentum: random.vector() };
+        let [of_given, of_symmetric] = [given, symmetric].map(|inertia| {
+            let (body, mut state) = (TiltedBody { inertia }, start);
+            let mut stepper = body.stepper::<Cayley>(0.1).expect("nearly symmetric");
+            stepper.step(&mut state).expect("a step");
+            (state, body.energy(&state), body.velocity(&state))
+        });
+        assert_eq!(of_given, of_symmetric);
+    }
+    assert!(crooked > 100, "{crooked}");
+    let inertia = matrix![2.0, 0.5, 0.0; 0.500_003, 2.0, 0.0; 0.0, 0.0, 2.0];
+    let message = invalid(&TiltedBody { inertia }).to_string();
+    assert!(message.contains("more than 1e-6 of the largest"), "{message}");
+    assert!(message.contains("`(inertia + inertia.transpose()) / 2.0`"), "{message}");
 }
 
 #[test]

@@ -311,3 +311,58 @@ fn drag_on_a_part_that_rests_does_not_stop_the_others() {
         assert!((state.body_momentum.x - exact).abs() < 1e-5, "{} for {exact}", state.body_momentum.x);
     }
 }
+
+/// Rubber that holds an attitude.
+#[lie_poisson_system(
+    group = SO3,
+    potential = stiffness * attitude.angle().powi(2) / 2.0 + 0.5 * twist * attitude.scaled_axis().z.powi(2),
+    derivatives(state),
+)]
+struct Bushing {
+    #[inertia]
+    inertia: Vector3<f64>,
+    stiffness: f64,
+    twist: f64,
+}
+
+fn bushing() -> Bushing {
+    Bushing { inertia: vector![1.0, 2.0, 2.5], stiffness: 4.0, twist: 3.0 }
+}
+
+/// About rest each axis is an oscillator, `I δ'' = −k δ`, at both quaternions of no rotation.
+#[test]
+fn a_rotational_spring_has_its_derivatives_where_it_is_relaxed() {
+    let time = 1e-3;
+    for sign in [1.0, -1.0] {
+        let attitude = UnitQuaternion::new_unchecked(Quaternion::new(sign, 0.0, 0.0, 0.0));
+        let mut state = BushingState { attitude, momentum: Vector3::zeros() };
+        let mut stepper = bushing().stepper::<Exponential>(time).unwrap();
+        let jacobian = stepper.step_with_jacobian(&mut state, &NoControl::default(), WrtState).unwrap().0;
+        assert_eq!(state, BushingState { attitude, momentum: Vector3::zeros() });
+        let mut expected = Matrix6::zeros();
+        for (k, stiffness) in [4.0, 4.0, 7.0_f64].into_iter().enumerate() {
+            let inertia = bushing().inertia[k];
+            let frequency = (stiffness / inertia).sqrt();
+            let (sine, cosine) = (frequency * time).sin_cos();
+            expected[(k, k)] = cosine;
+            expected[(k, k + 3)] = sine / (frequency * inertia);
+            expected[(k + 3, k)] = -frequency * inertia * sine;
+            expected[(k + 3, k + 3)] = cosine;
+        }
+        assert!((jacobian - expected).amax() < 1e-8, "{jacobian}{expected}");
+    }
+}
+
+#[test]
+fn half_a_turn_has_no_torque() {
+    let attitude = UnitQuaternion::new_unchecked(Quaternion::new(0.0, 0.6, 0.0, 0.8));
+    let start = BushingState { attitude, momentum: Vector3::zeros() };
+    let mut state = start;
+    let mut stepper = bushing().stepper::<Exponential>(0.01).unwrap();
+    assert_eq!(stepper.step(&mut state), Err(StepError::NotFinite));
+    assert_eq!(state, start);
+    // squares are the same on both sides
+    let pi = std::f64::consts::PI;
+    let energy = 2.0 * pi.powi(2) + 1.5 * (0.8 * pi).powi(2);
+    assert!((bushing().energy(&start) - energy).abs() < 1e-13);
+}

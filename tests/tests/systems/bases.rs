@@ -62,6 +62,26 @@ struct Carrier {
     inertia: Vector3<f64>,
 }
 
+/// The Hamiltonian of Killing's form, in coordinates by their names.
+#[lie_poisson_system(
+    group = Areas!,
+    hamiltonian = (vector![momentum.h].norm_squared() + 4.0 * momentum.e * momentum.f) / (2.0 * inertia),
+    force = -friction * velocity.h * momentum,
+)]
+struct Killing {
+    inertia: f64,
+    friction: f64,
+}
+
+#[test]
+fn coordinates_have_names() {
+    let system = Killing { inertia: 2.0, friction: 0.5 };
+    let state = KillingState { element: Matrix2::identity(), momentum: vector![0.3, -0.5, 0.7] };
+    assert!((system.energy(&state) - (0.09 - 1.4) / 4.0).abs() < 1e-15);
+    assert!((system.velocity(&state) - vector![0.15, 0.7, -0.5]).norm() < 1e-15);
+    assert!((system.force(&state) + 0.075 * state.momentum).norm() < 1e-15);
+}
+
 /// A rigid motion that carries a screw and a wrench along.
 #[lie_poisson_system(
     group = SE3,

@@ -3,6 +3,7 @@
 mod arrays;
 mod bases;
 mod families;
+mod kinematics;
 mod lagrangian;
 mod numbered;
 mod paper;

@@ -46,7 +46,10 @@ fn invariants(interface: &Interface) -> Vec<String> {
     let Interface { casimirs, missing_casimirs, is_autonomous, controls, .. } = interface;
     let mut invariants = Vec::new();
     if !casimirs.is_empty() {
-        invariants.push(format!("{}, the Casimirs, up to accumulated rounding", list(casimirs)));
+        invariants.push(format!(
+            "{}, Casimirs or momenta of symmetries, up to accumulated rounding",
+            list(casimirs)
+        ));
     }
     if *missing_casimirs > 0 {
         let more = if casimirs.is_empty() { "" } else { "more " };

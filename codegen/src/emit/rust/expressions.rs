@@ -146,7 +146,7 @@ fn method(system: &System<'_>, interface: &Interface, names: &Names, method: Met
     };
     quote! {
         #doc
-        #[allow(unused_variables, unused_parens, unused_braces, clippy::all)]
+        #[allow(dead_code, unused_variables, unused_parens, unused_braces, clippy::all)]
         #visibility fn #name(&self, #state: &#state_type, #control_argument #time_argument) -> #result {
             // the elementary functions of floats, where there is no std
             #[allow(unused_imports)]

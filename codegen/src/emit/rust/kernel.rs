@@ -137,7 +137,7 @@ fn bounded(bounded: &[bool]) -> Option<TokenStream> {
         quote! {
             /// Rotations stay of unit length.
             #[inline]
-            fn is_bounded(component: usize) -> bool {
+            fn is_bounded(component: ::core::primitive::usize) -> ::core::primitive::bool {
                 ::core::matches!(component, #(#bounded)|*)
             }
         }

@@ -234,7 +234,15 @@ pub(super) fn arrays(quantities: &[Quantity], names: &Names) -> Conversion {
             .take(quantity.components.len())
             .map(|n| Ident::new(&format!("x{n}"), proc_macro2::Span::mixed_site()))
             .collect();
-        conversion.take.push(quote! { let [#(#elements),*] = __Stored::to_array(&self.#place); });
+        let stored = quote! { __Stored::to_array(&self.#place) };
+        let array = match quantity.kind {
+            Kind::Symmetric(n) => {
+                let (private, n) = (&names.private, size(n));
+                quote! { #private::symmetric_part(#stored, #n) }
+            }
+            _ => stored,
+        };
+        conversion.take.push(quote! { let [#(#elements),*] = #array; });
         values.insert(&quantity.name, quote! { __Stored::from_array([#(#elements),*]) });
         conversion.elements.extend(elements);
     }

@@ -188,8 +188,12 @@ impl<'a> Lowering<'a, '_> {
             names.extend(components.filter(|component| component.called).map(|component| component.name));
         }
         let what = receiver.describe();
+        // `cos_angle` of what has no `cos`
+        let longer =
+            names.iter().find(|known| known.strip_prefix(&*name).is_some_and(|rest| rest.starts_with('_')));
+        let near = longer.copied().or_else(|| nearest(&name, &names));
         let of_numbers = scalar::METHODS.iter().find(|known| known.name == name);
-        let rest = match (nearest(&name, &names), receiver, of_numbers) {
+        let rest = match (near, receiver, of_numbers) {
             (Some(near), ..) => format!("; did you mean `{near}`?"),
             (None, Value::Vector(_), Some(known)) => {
                 format!("; it is one of numbers, such as the component `.x`: write `.x.{}`", known.call())

@@ -34,12 +34,13 @@ fn lengths() {
         attribute(&format!("group = SO3, control(u: [f64; {bad}])"), &[(bad, length)]);
         item(&format!("struct S {{ #[inertia] j: f64, k: [f64; {bad}] }}"), &[(bad, length)]);
     }
-    breaks("group(spins: [SO3; 22])", CHAIN, &[("spins", "a system may have dimension 64 at most")]);
-    breaks(
-        "group(a: [SO3; 11], spins: [SO3; 11])",
-        CHAIN,
-        &[("spins", "a system may have dimension 64 at most")],
-    );
+    breaks("group(spins: [SO3; 32]), hamiltonian = a * spins_momentum[31].x", "struct Chain { a: f64 }", &[]);
+    let bound = "the factors of a system may have dimension 96 together; up to here they have ";
+    breaks("group(spins: [SE3; 17])", CHAIN, &[("spins", &format!("{bound}102"))]);
+    breaks("group(a: [SO3; 16], spins: [SO3; 17])", CHAIN, &[("spins", &format!("{bound}99"))]);
+    let pivots = "`j` is an array, one inertia for each of 3 factors, but there is one factor; its principal moments are a vector \
+                  of 3";
+    breaks("group = SO3", "struct S { #[inertia] j: [f64; 3] }", &[("[f64; 3]", pivots)]);
     let wide = "struct S { #[inertia] j: f64, k: [SMatrix<f64, 20, 20>; 26] }";
     expands("group = SO3", wide, &[("k", "fields and controls may have 10000 numbers together at most")]);
     let control = "group = R1, control(u: [SMatrix<f64, 20, 20>; 26])";

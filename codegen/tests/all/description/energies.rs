@@ -10,6 +10,25 @@ fn energies_without_a_legendre_transform() {
     for degenerate in ["j * velocity.x.powi(2)", "j * velocity.y", sum] {
         expands(&format!("group = SO3, lagrangian = {degenerate}"), bare, &[(degenerate, singular)]);
     }
+    // whatever the parameters are, and the attitude
+    let armed = "struct Body { j: f64, arm: Vector3<f64> }";
+    for degenerate in [
+        "j * velocity.cross(&arm).norm_squared()",
+        "j * (attitude * velocity.cross(&arm)).norm_squared() + attitude.w",
+        "arm.norm_squared() * velocity.norm_squared() - velocity.dot(&arm).powi(2)",
+        "(velocity.x * j.cos() + velocity.y * j.sin()).powi(2) + velocity.z.powi(2)",
+        "-(1.0 - velocity.cross(&arm).norm_squared()).sqrt()",
+    ] {
+        expands(&format!("group = SO3, lagrangian = {degenerate}"), armed, &[(degenerate, singular)]);
+    }
+    // but not at some values of them alone
+    for regular in [
+        "j * velocity.cross(&arm).norm_squared() + velocity.dot(&arm).powi(2)",
+        "arm.x * velocity.x.powi(2) + 2.0 * arm.y * velocity.x * velocity.y + arm.z * velocity.y.powi(2) + j * velocity.z.powi(2)",
+        "-(j - velocity.norm_squared() - velocity.dot(&arm).powi(2)).sqrt()",
+    ] {
+        expands(&format!("group = SO3, lagrangian = {regular}"), armed, &[]);
+    }
     // one problem, one error
     let vector = "velocity * j";
     expands(
@@ -22,6 +41,8 @@ fn energies_without_a_legendre_transform() {
     expands(linear, bare, &[]);
     let singular = "the second derivative of this by the momentum is singular";
     expands(&format!("{linear}, methods(TangentLift)"), bare, &[("j * momentum.z", singular)]);
+    let flat = "j * momentum.cross(&arm).norm_squared()";
+    expands(&format!("group = SO3, hamiltonian = {flat}, methods(TangentLift)"), armed, &[(flat, singular)]);
     expands("group = SO3, hamiltonian = j * momentum.norm_squared(), methods(TangentLift(1, 4))", bare, &[]);
 }
 
@@ -68,6 +89,18 @@ fn energies_forces_and_controls() {
         &[("a_momentum", "on what does this force act? Write `force(a = …)`")],
     );
     breaks("group(a: SO3, b: R3), force(c = b)", body, &[("c", "there is no factor `c` to act on")]);
+    // what the key says goes before what fields and controls are made of
+    breaks("group = SO3, scalar = f32, hamiltonian = u, control(u: f32)", "struct Body;", &[]);
+    breaks("group = SO3, hamiltonian = u, control(u: f32)", "struct Body;", &[]);
+    breaks(
+        "group = SO3, scalar = f32, control(u: f64)",
+        "struct Body { #[inertia] j: f64 }",
+        &[
+            ("f64", "this is made of `f64`, but the system of `f32`"),
+            ("f64", "this is made of `f64`, but the system of `f32`"),
+        ],
+    );
+    attribute("scalar = f16", &[("f16", "a system is made of `f64` or `f32`")]);
     breaks(
         "group = SO3, control(u: f32)",
         body,

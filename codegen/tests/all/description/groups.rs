@@ -130,8 +130,12 @@ fn groups_of_absurd_sizes() {
         "group = semidirect(a: SO3, p: R3, q: R3, r: R3, s: R3), hamiltonian = momentum.norm_squared()";
     breaks(vectors, "struct Body {}", &[]);
     breaks("group = tangent(tangent(SE3))", body, &[("tangent", too_large)]);
-    let bound = "a system may have dimension 64 at most";
-    breaks(&format!("group({})", many("SU(3)")), body, &[("part8", bound)]);
+    let bound = "the factors of a system may have dimension 96 together; up to here they have 104";
+    breaks(&format!("group({})", many("SU(3)")), body, &[("part12", bound)]);
+    let sizes = "there is no group `R7`; of `R(n)` there are `R1`, `R2`, `R3`, `R4`, `R5` and `R6`";
+    breaks("group = R(7)", body, &[("R", sizes)]);
+    let halves = "expected a whole number, as in `[1, 0; 0, -1]`; of halves write the double, and scale the coordinate";
+    attribute("group = matrices { x: [0, 0.5; -0.5, 0] }", &[("0.5", halves)]);
     let row = vec!["0"; 13].join(", ");
     let matrix = vec![row; 13].join("; ");
     let wide = format!("group = Aff(1), advected(q: matrices {{ scale: [{matrix}], shift: [{matrix}] }})");

@@ -23,10 +23,12 @@ fn configurations_in_expressions() {
         body,
         &[("cos_angle", "`cos_angle` is a method: write `.cos_angle()`")],
     );
+    breaks("group = SO3, potential = attitude.angle() * j + attitude.scaled_axis().x", body, &[]);
+    breaks("group = SE3, potential = pose.rotation.angle().powi(2) * j", body, &[]);
     breaks(
-        "group = SO3, potential = attitude.angle()",
+        "group = SO3, potential = attitude.axis()",
         body,
-        &[("angle", "an element of SO3 has no method `angle` here")],
+        &[("axis", "an element of SO3 has no method `axis` here")],
     );
     breaks(
         "group = SO3, potential = (attitude * j).x",
@@ -181,4 +183,26 @@ fn points() {
         body,
         &[("norm", "a point in 3 dimensions has no methods")],
     );
+}
+
+/// Coordinates that tables and invariants call by a name have it in expressions.
+#[test]
+fn coordinates_have_their_names() {
+    let body = "struct Body { #[inertia] j: f64 }";
+    for energy in [
+        "hamiltonian = momentum.r12.powi(2) * j + vector![momentum.r34, (momentum).r13].sum()",
+        "lagrangian = velocity.norm_squared() * j + velocity.r24",
+        "potential = m.r12 + m . r13, advected(m: coadjoint), force = -j * velocity * velocity.r34",
+    ] {
+        let energy = energy.replace("(momentum)", "momentum");
+        breaks(&format!("group = SO(4), retractions(Exponential), {energy}"), body, &[]);
+    }
+    breaks("group = SE2(3), hamiltonian = momentum.v1 * j + momentum.x", body, &[]);
+    breaks("group(a: [SL(2); 2]), hamiltonian = a_momentum[1].h1 * j", body, &[]);
+    let number =
+        "has no component `r12`, but `x`, `y`, `z`, `w`, `a` and `b`; a component by its number is `[0]`";
+    let message = format!("a vector of 6 {number}");
+    breaks("group = SO(4), hamiltonian = { let m = momentum; m.r12 * j }", body, &[("r12", &message)]);
+    let message = "a vector of 9 has no components of a name; a component by its number is `[0]`";
+    breaks("group = SE2(3), hamiltonian = { let m = momentum; m.v1 * j }", body, &[("v1", message)]);
 }

@@ -40,7 +40,9 @@ fn what_is_no_struct_with_named_fields() {
     item("enum A { B }", &[("enum A { B }", "`#[lie_poisson_system]` describes a struct")]);
     item("fn a() {}", &[("fn a() {}", "`#[lie_poisson_system]` describes a struct")]);
     item("struct A(f64);", &[("(f64)", "the parameters of a system need names")]);
-    item("struct A;", &[("A", "a system needs parameters, at least its inertia")]);
+    for empty in ["struct A;", "struct A {}"] {
+        assert!(item(empty, &[]).is_some_and(|item| item.fields.is_empty()));
+    }
     let none = item(
         "struct A<T, const N: usize> { #[inertia] a: T }",
         &[("<T, const N: usize>", "a system cannot be generic"), ("T", "`a` cannot be of this type")],
