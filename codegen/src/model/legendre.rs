@@ -23,7 +23,7 @@ impl<'a> Relation<'a> {
     fn solved(residual: Vector<'a>, symbols: &[Symbol]) -> Self {
         let jacobian = residual.jacobian(symbols);
         let jacobian = jacobian.map(Expr::hold);
-        if Vector(jacobian.entries.clone()).depends_on(symbols) {
+        if Vector(jacobian.entries.clone()).depends_on(symbols) || residual.chooses_by(symbols) {
             let is_regular = jacobian.try_solve(&residual).is_some();
             return if is_regular { Self::Implicit(residual) } else { Self::Singular };
         }
