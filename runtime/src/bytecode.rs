@@ -141,6 +141,7 @@ mod kind {
     pub(super) const TANH: u8 = 21;
     pub(super) const RECIP_OR_ZERO: u8 = 22;
     pub(super) const ANGLE_OVER_SINE: u8 = 23;
+    pub(super) const CHOICE: u8 = 24;
 }
 
 /// The value of a term, operation by operation as it is compiled.
@@ -169,10 +170,14 @@ fn term<N: Scalar>(code: &mut Code, places: &[N]) -> N {
             }
             product
         }
-        kind::MUL_ADD | kind::NEG_MUL_ADD => {
+        kind::MUL_ADD | kind::NEG_MUL_ADD | kind::CHOICE => {
             let (a, b) = (term(code, places), term(code, places));
-            let addend = term(code, places);
-            if kind == kind::MUL_ADD { a.mul_add(b, addend) } else { a.neg_mul_add(b, addend) }
+            let c = term(code, places);
+            match kind {
+                kind::MUL_ADD => a.mul_add(b, c),
+                kind::NEG_MUL_ADD => a.neg_mul_add(b, c),
+                _ => a.if_negative(b, c),
+            }
         }
         kind::QUOTIENT | kind::POWER | kind::ATAN2 => {
             let (x, y) = (term(code, places), term(code, places));
@@ -323,6 +328,7 @@ mod tests {
             assert_eq!(operation(kind, &[x]), function(X));
         }
         assert_eq!(operation(23, &[&[2], x]), X.angle_over_sine::<2>());
+        assert_eq!((operation(24, &[y, y, x]), operation(24, &[x, y, x])), (Y, X));
     }
 
     #[test]

@@ -171,6 +171,10 @@ impl<T: Batch> Scalar for Double<T> {
     fn min(self, other: Self) -> Self {
         Self::select(self.le(other), self, other)
     }
+    #[inline(always)]
+    fn if_negative(self, negative: Self, otherwise: Self) -> Self {
+        Self::select(self.lt(Self::of(0.0)), negative, otherwise)
+    }
     /// The constants of the series, and these beyond [`stumpff::LONG`], have the digits of one number. Where one formula takes over from
     /// another there is a gap of as many digits, in which an equation may have no solution to more: there is none at smaller angles.
     #[inline(always)]

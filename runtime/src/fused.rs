@@ -222,7 +222,7 @@ impl<T: Batch> Scalar for FusedScalar<T> {
     functions! {
         Self, 0;
         sqrt() exp() ln() sin() cos() tan() asin() acos() atan() sinh() cosh() tanh()
-        powf(exponent) atan2(x) min(other) recip_or_zero()
+        powf(exponent) atan2(x) min(other) if_negative(negative, otherwise) recip_or_zero()
     }
     #[inline(always)]
     fn stumpff<const N: usize>(self) -> [Self; N] {

@@ -69,6 +69,7 @@ fn interface(system: &System<'_>) -> Interface {
         missing_casimirs: system.casimirs().missing,
         dimension: system.dimension(),
         is_autonomous: system.is_autonomous(),
+        is_piecewise: system.is_piecewise(),
         is_left_invariant: system.is_left_invariant(),
         is_forced: system.is_forced(),
         velocity: transform(velocity),

@@ -61,6 +61,7 @@ mod kind {
     pub(super) const TANH: u8 = 21;
     pub(super) const RECIP_OR_ZERO: u8 = 22;
     pub(super) const ANGLE_OVER_SINE: u8 = 23;
+    pub(super) const CHOICE: u8 = 24;
 }
 
 /// The functions that lead from one state to the next, each in bytes.
@@ -162,6 +163,7 @@ impl Code {
             Term::Quotient(x, y) => self.operation(kind::QUOTIENT, [x, y]),
             Term::Power(x, y) => self.operation(kind::POWER, [x, y]),
             Term::Atan2(y, x) => self.operation(kind::ATAN2, [y, x]),
+            Term::Choice([x, y, z]) => self.operation(kind::CHOICE, [x, y, z]),
             Term::Function(function, x) => {
                 self.function(*function);
                 self.term(x);

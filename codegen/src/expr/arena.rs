@@ -421,6 +421,7 @@ impl Arena {
             Node::Function(function, argument) => self.function(function, image(argument)),
             Node::Power(base, exponent) => self.power(image(base), image(exponent)),
             Node::Atan2(y, x) => self.atan2(image(y), image(x)),
+            Node::Choice(operands) => self.choice(operands.map(image)),
             Node::Held(inner) => self.held(image(inner)),
         }
     }
@@ -435,6 +436,39 @@ impl Arena {
 
     pub(crate) fn atan2(&self, y: Id, x: Id) -> Id {
         self.intern(Node::Atan2(y, x))
+    }
+
+    /// `y` where `x < 0`, `z` elsewhere, folded where it is known which.
+    pub(crate) fn choice(&self, [x, y, z]: [Id; 3]) -> Id {
+        self.charge(1);
+        if self.is_exhausted() {
+            return self.exhausted();
+        }
+        if y == z {
+            return z;
+        }
+        let taken = |number: Number| if number.is_negative() { y } else { z };
+        match self.node(x) {
+            Node::Number(number) => return taken(number),
+            // of truths, as a negation is
+            Node::Choice([x, a, b]) => {
+                if let (Node::Number(a), Node::Number(b)) = (self.node(a), self.node(b)) {
+                    return self.choice([x, taken(a), taken(b)]);
+                }
+            }
+            _ => {}
+        }
+        self.intern(Node::Choice([x, y, z]))
+    }
+
+    /// What a node is the absolute value of, if it is one.
+    pub(super) fn absolute(&self, id: Id) -> Option<Id> {
+        match self.node(id) {
+            Node::Choice([x, y, z]) if x == z && y == self.sum(Number::ZERO, [(x, Number::MINUS_ONE)]) => {
+                Some(x)
+            }
+            _ => None,
+        }
     }
 }
 

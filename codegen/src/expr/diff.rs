@@ -44,9 +44,22 @@ impl<'a> Vector<'a> {
         self.substitute(&symbols.iter().map(|&symbol| (symbol, zero)).collect::<Vec<_>>())
     }
 
+    /// Whether these symbols bear on a choice in it: a constant derivative does not make it affine then.
+    pub fn chooses_by(&self, symbols: &[Symbol]) -> bool {
+        let Some(first) = self.0.first() else { return false };
+        let arena = first.arena;
+        arena.post_order(self.iter().map(|x| x.id), |_| false).into_iter().any(|id| match arena.node(id) {
+            Node::Choice([x, ..]) => arena.expr(x).depends_on(symbols),
+            _ => false,
+        })
+    }
+
     /// The symbols' values where this vanishes, an affine function of them with this Jacobian; none if that is
-    /// singular.
+    /// singular, or it is no such function.
     pub fn affine_root(&self, jacobian: &Matrix<'a>, symbols: &[Symbol]) -> Option<Self> {
+        if self.chooses_by(symbols) {
+            return None;
+        }
         jacobian.try_solve(&self.at_zero(symbols)).map(|root| -&root)
     }
 
@@ -181,6 +194,8 @@ impl<'a> Derivative<'a> {
                 let (y, x) = (arena.expr(y), arena.expr(x));
                 (x * dy - y * dx) / (x * x + y * y)
             }
+            // that of the branch that is taken; the other may have none
+            Node::Choice([x, y, z]) => arena.expr(x).choose(known(y)?, known(z)?),
         };
         Ok(derivative.id)
     }
@@ -246,13 +261,34 @@ impl Function {
 /// one symbol after the other would multiply it out.
 pub fn gradient<'a>(expr: Expr<'a>, symbols: &[Symbol]) -> Vector<'a> {
     let arena = expr.arena;
+    // of choices first, branch by branch: the derivative of one that is not taken may be no number, and is multiplied
+    // by nothing
+    let mut of_choices: FxHashMap<Id, Vector<'a>> = FxHashMap::default();
+    for id in arena.unknown(expr.id, &of_choices) {
+        if let Node::Choice([x, y, z]) = arena.node(id) {
+            let [y, z] = [y, z].map(|branch| reverse(arena, branch, symbols, &of_choices));
+            of_choices.insert(id, y.zip(&z, |y, z| arena.expr(x).choose(y, z)));
+        }
+    }
+    let mut limits = Limits::default();
+    reverse(arena, expr.id, symbols, &of_choices).map(|derivative| limits.of(derivative))
+}
+
+/// The gradient, where those of the choices in it are known.
+fn reverse<'a>(
+    arena: &'a Arena,
+    root: Id,
+    symbols: &[Symbol],
+    of_choices: &FxHashMap<Id, Vector<'a>>,
+) -> Vector<'a> {
     let mut adjoints: FxHashMap<Id, Vec<Id>> = FxHashMap::default();
     let mut found: FxHashMap<Symbol, Id> = FxHashMap::default();
-    adjoints.insert(expr.id, vec![arena.one().id]);
+    adjoints.insert(root, vec![arena.one().id]);
+    let sum = |parts: Vec<Id>| arena.sum(Number::ZERO, parts.into_iter().map(|part| (part, Number::ONE)));
     // operands are older than what is made of them: going from young to old, every adjoint is complete when it is used
-    for id in arena.unknown(expr.id, &FxHashMap::<Id, ()>::default()).into_iter().rev() {
+    for id in arena.unknown(root, of_choices).into_iter().rev() {
         let Some(parts) = adjoints.remove(&id) else { continue };
-        let adjoint = arena.sum(Number::ZERO, parts.into_iter().map(|part| (part, Number::ONE)));
+        let adjoint = sum(parts);
         let of = |rest: Expr<'a>| (rest * arena.expr(adjoint)).id;
         let mut give = |operand: Id, part: Id| adjoints.entry(operand).or_default().push(part);
         match arena.node(id) {
@@ -290,11 +326,17 @@ pub fn gradient<'a>(expr: Expr<'a>, symbols: &[Symbol]) -> Vector<'a> {
                 give(y, of(v / squared));
                 give(x, of(-u / squared));
             }
+            // they are known, and left over
+            Node::Choice(_) => {}
         }
     }
+    let mut choices: Vec<(Id, Vec<Id>)> = adjoints.into_iter().collect();
+    choices.sort_unstable();
     let of = |symbol| found.get(symbol).map_or_else(|| arena.zero(), |&id| arena.expr(id));
-    let mut limits = Limits::default();
-    Vector(symbols.iter().map(|symbol| limits.of(of(symbol))).collect())
+    choices.into_iter().fold(Vector(symbols.iter().map(of).collect()), |gradient, (id, parts)| {
+        let adjoint = arena.expr(sum(parts));
+        gradient.zip(&of_choices[&id], |sum, derivative| sum + derivative * adjoint)
+    })
 }
 
 /// Replaces symbols in many expressions, sharing the work.

@@ -132,6 +132,11 @@ fn pieces(arena: &Arena, id: Id, around: Binding) -> Vec<Piece> {
             pieces.extend([Piece::text("atan2("), whole(y), Piece::text(", "), whole(x), Piece::text(")")]);
             false
         }
+        Node::Choice([x, y, z]) => {
+            pieces.extend([Piece::text("if("), whole(x), Piece::text(" < 0, "), whole(y)]);
+            pieces.extend([Piece::text(", "), whole(z), Piece::text(")")]);
+            false
+        }
     };
     if parenthesized {
         pieces.insert(0, Piece::text("("));

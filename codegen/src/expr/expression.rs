@@ -144,6 +144,11 @@ impl<'a> Expr<'a> {
         self.arena.expr(self.arena.atan2(self.id, x.id))
     }
 
+    /// `negative` where the value is below zero, `otherwise` elsewhere.
+    pub fn choose(self, negative: Self, otherwise: Self) -> Self {
+        self.arena.expr(self.arena.choice([self.id, negative.id, otherwise.id]))
+    }
+
     /// `number · self`
     pub fn scale(self, number: impl Into<Number>) -> Self {
         self.arena.expr(self.arena.sum(Number::ZERO, [(self.id, number.into())]))

@@ -141,9 +141,11 @@ impl Matrix<'_> {
                     (base != 0 || *e > 0).then(|| product * power(base, e.unsigned_abs().into()) % PRIME)
                 })?,
                 Node::Held(inner) => known[&inner],
-                Node::Symbol(_) | Node::Function(..) | Node::Power(..) | Node::Atan2(..) => {
-                    scattered(u64::from(id.0) << 2 | point)
-                }
+                Node::Symbol(_)
+                | Node::Function(..)
+                | Node::Power(..)
+                | Node::Atan2(..)
+                | Node::Choice(_) => scattered(u64::from(id.0) << 2 | point),
             };
             known.insert(id, value);
         }

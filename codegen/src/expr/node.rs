@@ -88,6 +88,8 @@ pub enum Node {
     Power(Id, Id),
     /// `atan2(y, x)`
     Atan2(Id, Id),
+    /// `[x, y, z]`: `y` where `x < 0`, `z` elsewhere. What is not taken need not be a number.
+    Choice([Id; 3]),
     /// A value kept whole: the same number, but not merged into the sums and products around it.
     Held(Id),
 }
@@ -106,6 +108,7 @@ impl Node {
             Self::Product(factors) => factors.get(k).map(|&(id, _)| id),
             Self::Function(_, x) | Self::Held(x) => (k == 0).then_some(*x),
             Self::Power(x, y) | Self::Atan2(x, y) => [*x, *y].get(k).copied(),
+            Self::Choice(operands) => operands.get(k).copied(),
         }
     }
 

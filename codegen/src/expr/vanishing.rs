@@ -92,6 +92,7 @@ impl Arena {
             Node::Product(factors) => factors.iter().all(|&(factor, _)| self.is_positive(factor)),
             Node::Function(Function::Exp | Function::Cosh, _) => true,
             Node::Function(Function::Sqrt, x) | Node::Held(x) | Node::Power(x, _) => self.is_positive(x),
+            Node::Choice([_, y, z]) => self.is_positive(y) && self.is_positive(z),
             _ => false,
         }
     }
@@ -110,6 +111,9 @@ impl Arena {
             Node::Function(Function::Exp | Function::Cosh | Function::Sqrt | Function::Acos, _) => true,
             Node::Power(..) => true,
             Node::Held(x) => self.is_nonnegative(x),
+            Node::Choice([x, y, z]) => {
+                self.absolute(id).is_some() || self.is_nonnegative(y) && (z == x || self.is_nonnegative(z))
+            }
             _ => false,
         }
     }
@@ -151,6 +155,11 @@ impl<'a> Vanishing<'a> {
         self.orders.insert(id, order);
         match self.arena.node(id) {
             Node::Held(inner) => self.learn(inner, order),
+            Node::Choice(_) => {
+                if let Some(x) = self.arena.absolute(id) {
+                    self.learn(x, order);
+                }
+            }
             Node::Product(_) => self.learn_square(id, order),
             Node::Sum(sum) => {
                 let is_positive =
@@ -233,6 +242,7 @@ impl<'a> Vanishing<'a> {
                 }),
                 Node::Sum(sum) => sum.terms.iter().any(|(term, _)| self.divided[term]),
                 Node::Held(inner) => self.divided[&inner],
+                Node::Choice([_, y, z]) => self.divided[&y] || self.divided[&z],
                 _ => self.exponent(id).is_some_and(Number::is_negative),
             };
             self.divided.insert(id, is_divided);
@@ -258,6 +268,7 @@ impl<'a> Vanishing<'a> {
             Node::Number(number) if number.is_zero() => f64::INFINITY,
             Node::Number(_) | Node::Symbol(_) | Node::Atan2(..) => 0.0,
             Node::Held(inner) => self.orders[&inner],
+            Node::Choice([_, y, z]) => self.orders[&y].min(self.orders[&z]),
             Node::Sum(sum) => self.order_of_sum(&sum),
             Node::Product(factors) => {
                 factors.iter().map(|(factor, e)| powered(self.orders[factor], f64::from(*e))).sum()
@@ -301,6 +312,7 @@ impl<'a> Vanishing<'a> {
                 self.arena.sum(sum.constant, terms)
             }
             Node::Held(inner) => self.arena.held(self.limit(inner, around)),
+            Node::Choice([x, y, z]) => self.arena.choice([x, self.limit(y, around), self.limit(z, around)]),
             Node::Product(factors) => self.limit_of_product(&factors, around),
             _ => self.limit_of_product(&[(id, 1)], around),
         };
@@ -447,7 +459,7 @@ impl<'a> Vanishing<'a> {
                 }
                 (None, Node::Function(function, x)) => function.is_odd() && self.odd[&x],
                 (None, Node::Atan2(y, _)) => self.odd[&y],
-                (None, Node::Number(_) | Node::Symbol(_) | Node::Power(..)) => false,
+                (None, Node::Number(_) | Node::Symbol(_) | Node::Power(..) | Node::Choice(_)) => false,
             };
             self.odd.insert(id, is_odd);
         }

@@ -27,6 +27,7 @@ pub(super) enum Operation {
     Function(Function, Op),
     Power(Op, Op),
     Atan2(Op, Op),
+    Choice([Op; 3]),
 }
 
 impl Operation {
@@ -37,6 +38,7 @@ impl Operation {
             Self::Product(factors) => factors.clone(),
             Self::Quotient(_, x) | Self::Function(_, x) => vec![*x],
             Self::Power(x, y) | Self::Atan2(x, y) => vec![*x, *y],
+            Self::Choice(operands) => operands.to_vec(),
         }
     }
 
@@ -189,6 +191,10 @@ impl<'a> Dag<'a> {
             Node::Atan2(y, x) => {
                 let (y, x) = (self.value(y)?, self.value(x)?);
                 positive(self.intern(Operation::Atan2(y, x)))
+            }
+            Node::Choice([x, y, z]) => {
+                let operands = [self.value(x)?, self.value(y)?, self.value(z)?];
+                positive(self.intern(Operation::Choice(operands)))
             }
         })
     }

@@ -13,7 +13,7 @@ fn inverse<'a>(step: &Step<'a>) -> Option<Matrix<'a>> {
     let matrix = step.left.jacobian(&symbols);
     let is_constant = matrix.entries.iter().all(|entry| entry.stage() <= Stage::Parameters);
     // a function with a constant Jacobian is linear up to its value at zero
-    let is_linear = step.left.at_zero(&symbols).iter().all(Expr::is_zero);
+    let is_linear = step.left.at_zero(&symbols).iter().all(Expr::is_zero) && !step.left.chooses_by(&symbols);
     if !(is_constant && is_linear) {
         return None;
     }

@@ -255,6 +255,7 @@ impl<'l, 'a> Writer<'l, 'a> {
             Operation::Function(function, x) => Term::Function(*function, boxed(*x)),
             Operation::Power(x, y) => Term::Power(boxed(*x), boxed(*y)),
             Operation::Atan2(y, x) => Term::Atan2(boxed(*y), boxed(*x)),
+            Operation::Choice(operands) => Term::Choice(operands.map(boxed)),
         }
     }
 }

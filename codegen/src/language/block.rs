@@ -14,8 +14,13 @@ impl<'a> Lowering<'a, '_> {
         if let Some(label) = &block.label {
             return self.unsupported(label, "a label");
         }
+        self.scoped_block(&block.block)
+    }
+
+    /// A block with variables of its own.
+    pub(super) fn scoped_block(&mut self, block: &Block) -> Option<Value<'a>> {
         let outside = self.locals.len();
-        let value = self.block(&block.block);
+        let value = self.block(block);
         self.locals.truncate(outside);
         value
     }

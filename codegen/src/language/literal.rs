@@ -2,6 +2,7 @@
 
 use syn::{ExprCast, Lit, Type};
 
+use super::choice;
 use super::lowering::Lowering;
 use super::value::Value;
 use crate::expr::Number;
@@ -19,6 +20,7 @@ impl<'a> Lowering<'a, '_> {
                 integer.base10_parse().ok().map(Value::Integer).or_else(|| self.fail(integer, message))
             }
             Lit::Float(float) => self.decimal(float.base10_digits(), float),
+            Lit::Bool(truth) => Some(Value::Truth(choice::known(self.arena, truth.value))),
             _ => self.fail(literal, "only numbers can be written here"),
         }
     }

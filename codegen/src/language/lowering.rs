@@ -78,6 +78,10 @@ impl<'a, 's> Lowering<'a, 's> {
                     let value = self.lower(&unary.expr)?;
                     self.negated(value, sign)
                 }
+                UnOp::Not(sign) => {
+                    let value = self.lower(&unary.expr)?;
+                    self.contrary(value, sign)
+                }
                 _ => self.unsupported(unary.op, "this operator"),
             },
             Expr::Binary(binary) => self.binary(binary),
@@ -88,6 +92,7 @@ impl<'a, 's> Lowering<'a, 's> {
             Expr::Call(call) => self.call(call),
             Expr::Macro(call) => self.macro_call(&call.mac),
             Expr::Block(block) => self.block_expression(block),
+            Expr::If(choice) => self.choice(choice),
             Expr::Tuple(tuple) => self.all(&tuple.elems).map(Value::Tuple),
             Expr::Range(range) => self.range(range),
             Expr::Array(array) if array.elems.is_empty() => self.fail(array, "this array is empty"),
@@ -134,8 +139,9 @@ impl<'a, 's> Lowering<'a, 's> {
     /// Constructs without a symbolic meaning.
     fn other(&mut self, expr: &Expr) -> Option<Value<'a>> {
         match expr {
-            Expr::If(choice) => self.not_smooth(choice.if_token, "a choice by `if`"),
-            Expr::Match(choice) => self.not_smooth(choice.match_token, "a choice by `match`"),
+            Expr::Match(choice) => {
+                self.fail(choice.match_token, "write `if … else …` in the place of `match`")
+            }
             Expr::Assign(assignment) => {
                 let message = "assignments are not supported; give each value a name with `let`";
                 self.fail(assignment.eq_token, message)
@@ -160,16 +166,16 @@ impl<'a, 's> Lowering<'a, 's> {
     pub(super) fn unsupported<T>(&mut self, tokens: impl ToTokens, what: &str) -> Option<T> {
         let message = format!(
             "{what} is not supported here; an expression is made of numbers, names, `+ - * /`, components, methods, \
-             constructors such as `Vector3::new` or `vector![…]`, and blocks with `let`"
+             constructors such as `Vector3::new` or `vector![…]`, blocks with `let`, and `if … else …`"
         );
         self.fail(tokens, message)
     }
 
-    /// Reports a construct that would make the energy lose its derivatives.
-    pub(super) fn not_smooth<T>(&mut self, tokens: impl ToTokens, what: &str) -> Option<T> {
+    /// Reports a construct whose value jumps at each whole number.
+    pub(super) fn steps<T>(&mut self, tokens: impl ToTokens, what: &str) -> Option<T> {
         let message = format!(
-            "{what} is not smooth, but the equations of motion need derivatives; write one smooth formula that holds \
-             everywhere"
+            "{what} jumps again and again, which no step resolves; give such a value as a control, which is held over \
+             each step, or write the few cases that there are with `if`"
         );
         self.fail(tokens, message)
     }

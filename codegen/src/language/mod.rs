@@ -1,12 +1,13 @@
 //! The language of a user's expressions: ordinary Rust over scalars, vectors and matrices, given a symbolic meaning.
 //!
 //! The user's text is also emitted as a method of the struct, where rustc checks its types. What is said here is
-//! therefore only what rustc cannot know: which constructs have a symbolic meaning, and which are not smooth. What
+//! therefore only what rustc cannot know: which constructs have a symbolic meaning. What
 //! rustc rejects in better words, such as `2 * x` for a float `x`, is given its obvious meaning and left to rustc;
 //! nothing that rustc accepts is given another meaning than rustc's.
 
 mod access;
 mod block;
+mod choice;
 mod construct;
 mod literal;
 mod lowering;
@@ -23,7 +24,7 @@ pub use value::{Element, Value};
 /// The words of the language, for its documentation.
 pub mod words {
     pub use super::construct::{CONSTRUCTORS, POINTS};
-    pub use super::methods::{NOT_SMOOTH, methods};
+    pub use super::methods::{STEPS, methods};
     pub use super::sequence::{ARRAY_METHODS, ITERATOR_METHODS};
     pub use crate::limits::RANGE;
 }

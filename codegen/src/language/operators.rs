@@ -67,8 +67,12 @@ impl<'a> Lowering<'a, '_> {
                         let remainder = left.checked_rem(*right).map(Value::Integer);
                         remainder.or_else(|| self.fail(sign, "this divides by zero"))
                     }
-                    _ => self.no_arithmetic(&link.op),
+                    _ => match self.truth(&link.op, &value, &right) {
+                        Some(truth) => truth,
+                        None => self.no_arithmetic(&link.op),
+                    },
                 };
+                value = value.and_then(|value| self.checked(value, link));
                 continue;
             };
             value = match (value, right) {
@@ -82,10 +86,7 @@ impl<'a> Lowering<'a, '_> {
 
     fn no_arithmetic(&mut self, operator: &BinOp) -> Option<Value<'a>> {
         match operator {
-            BinOp::Eq(_) | BinOp::Ne(_) | BinOp::Lt(_) | BinOp::Le(_) | BinOp::Gt(_) | BinOp::Ge(_) => {
-                self.not_smooth(operator, "a comparison")
-            }
-            BinOp::Rem(_) => self.not_smooth(operator, "a remainder"),
+            BinOp::Rem(_) => self.steps(operator, "a remainder"),
             BinOp::BitXor(_) => {
                 self.fail(operator, "`^` is not a power in Rust; write `x.powi(2)` or `x.powf(y)`")
             }

@@ -13,6 +13,8 @@ pub enum Value<'a> {
     Integer(i64),
     /// A number.
     Scalar(Expr<'a>),
+    /// A number that is below zero where something is true.
+    Truth(Expr<'a>),
     /// A column.
     Vector(Vector<'a>),
     /// A matrix of more than one column.
@@ -123,7 +125,7 @@ impl<'a> Value<'a> {
             Self::Integer(_) | Self::Scalar(_) => Some(Shape::Scalar),
             Self::Vector(vector) => Some(Shape::Vector(vector.len())),
             Self::Matrix(matrix) => Some(Shape::Matrix(matrix.rows, matrix.columns)),
-            Self::Tuple(_) | Self::Array(_) | Self::Iterator(_) => None,
+            Self::Truth(_) | Self::Tuple(_) | Self::Array(_) | Self::Iterator(_) => None,
             Self::Element(_) | Self::Point(_) | Self::Optional(_) => None,
         }
     }
@@ -132,6 +134,7 @@ impl<'a> Value<'a> {
     pub fn describe(&self) -> String {
         match self {
             Self::Integer(_) => "an integer".to_owned(),
+            Self::Truth(_) => "a condition".to_owned(),
             Self::Tuple(values) => format!("a tuple of {}", values.len()),
             Self::Array(values) if values.iter().all(|value| value.shape() == Some(Shape::Scalar)) => {
                 format!("an array of {} (a vector is written `vector![…]`)", values.len())
@@ -159,7 +162,7 @@ impl<'a> Value<'a> {
     pub fn scalars(&self) -> Vec<Expr<'a>> {
         match self {
             Self::Integer(_) => Vec::new(),
-            Self::Scalar(scalar) => vec![*scalar],
+            Self::Scalar(scalar) | Self::Truth(scalar) => vec![*scalar],
             Self::Vector(vector) => vector.0.clone(),
             Self::Matrix(matrix) => matrix.entries.clone(),
             Self::Tuple(values) | Self::Array(values) | Self::Iterator(values) => {

@@ -26,7 +26,7 @@ impl<'a> Relation<'a> {
         if jacobian.is_singular() {
             return Self::Singular;
         }
-        if Vector(jacobian.entries.clone()).depends_on(symbols) {
+        if Vector(jacobian.entries.clone()).depends_on(symbols) || residual.chooses_by(symbols) {
             let is_regular = jacobian.try_solve(&residual).is_some();
             return if is_regular { Self::Implicit(residual) } else { Self::Singular };
         }

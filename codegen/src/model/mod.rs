@@ -285,6 +285,14 @@ impl<'a> System<'a> {
         self.factors.iter().any(|factor| factor.force.is_some())
     }
 
+    /// Whether energy or forces choose by what changes along a motion.
+    pub fn is_piecewise(&self) -> bool {
+        let forces = self.factors.iter().filter_map(|factor| factor.force.clone());
+        let all = Vector::concat(&forces.chain([Vector(vec![self.potential()])]).collect::<Vec<_>>());
+        let changing = [self.state_symbols(), self.velocity_symbols().symbols(), self.time_symbol()];
+        all.chooses_by(&changing.concat())
+    }
+
     /// Whether the energy is an invariant of the motion as long as the controls are the same: no force acts and the
     /// time has no part in it.
     pub fn is_autonomous(&self) -> bool {

@@ -31,6 +31,8 @@ pub struct Interface {
     pub dimension: usize,
     /// Whether the energy is an invariant of the motion.
     pub is_autonomous: bool,
+    /// Whether energy or forces choose by state or time.
+    pub is_piecewise: bool,
     /// Whether nothing but momentum and advected parameters has a part in the motion.
     pub is_left_invariant: bool,
     /// Whether forces act.

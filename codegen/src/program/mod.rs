@@ -208,6 +208,8 @@ pub enum Term {
     Power(Box<Term>, Box<Term>),
     /// The angle of the point `(second, first)`.
     Atan2(Box<Term>, Box<Term>),
+    /// The second where the first is below zero, the third elsewhere.
+    Choice([Box<Term>; 3]),
 }
 
 impl Program {
@@ -288,6 +290,7 @@ impl Term {
             Self::Function(function, x) => Self::Function(function, within(x)),
             Self::Power(x, y) => Self::Power(within(x), within(y)),
             Self::Atan2(y, x) => Self::Atan2(within(y), within(x)),
+            Self::Choice(operands) => Self::Choice(operands.map(within)),
         }
     }
 
@@ -300,6 +303,7 @@ impl Term {
             Self::Product(factors) => factors.iter().collect(),
             Self::MulAdd { a, b, addend, .. } => vec![a, b, addend],
             Self::Quotient(x, y) | Self::Power(x, y) | Self::Atan2(x, y) => vec![x, y],
+            Self::Choice(operands) => operands.iter().map(|operand| &**operand).collect(),
         }
     }
 

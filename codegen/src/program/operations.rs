@@ -19,6 +19,8 @@ pub struct Operations {
     pub stumpff: usize,
     /// Calls of other functions.
     pub functions: usize,
+    /// Choices between two values.
+    pub choices: usize,
 }
 
 impl<R> Function<R> {
@@ -55,9 +57,9 @@ impl Operations {
     }
 
     /// In the order in which they are listed.
-    fn counts(self) -> [usize; 6] {
-        let Self { additions, multiplications, divisions, roots, stumpff, functions } = self;
-        [additions, multiplications, divisions, roots, stumpff, functions]
+    fn counts(self) -> [usize; 7] {
+        let Self { additions, multiplications, divisions, roots, stumpff, functions, choices } = self;
+        [additions, multiplications, divisions, roots, stumpff, functions, choices]
     }
 
     fn add(&mut self, term: &Term) {
@@ -72,6 +74,7 @@ impl Operations {
             Term::Quotient(..) | Term::Function(Elementary::RecipOrZero, _) => self.divisions += 1,
             Term::Function(Elementary::Sqrt, _) => self.roots += 1,
             Term::Function(..) | Term::Power(..) | Term::Atan2(..) => self.functions += 1,
+            Term::Choice(_) => self.choices += 1,
         }
         term.operands().into_iter().for_each(|operand| self.add(operand));
     }
@@ -80,9 +83,9 @@ impl Operations {
 impl std::ops::Add for Operations {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        let [additions, multiplications, divisions, roots, stumpff, functions] =
+        let [additions, multiplications, divisions, roots, stumpff, functions, choices] =
             std::array::from_fn(|kind| self.counts()[kind] + other.counts()[kind]);
-        Self { additions, multiplications, divisions, roots, stumpff, functions }
+        Self { additions, multiplications, divisions, roots, stumpff, functions, choices }
     }
 }
 
@@ -95,6 +98,7 @@ impl std::fmt::Display for Operations {
             ("square root", "square roots"),
             ("evaluation of Stumpff functions", "evaluations of Stumpff functions"),
             ("function call", "function calls"),
+            ("choice", "choices"),
         ];
         let present = self.counts().into_iter().zip(kinds).filter(|&(count, _)| count > 0);
         let present: Vec<String> = present

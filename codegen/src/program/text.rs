@@ -91,6 +91,9 @@ impl Values {
             Term::Function(function, x) => format!("{}({})", function.name(), self.term(x)),
             Term::Power(x, y) => format!("{}^{}", self.factor(x), self.factor(y)),
             Term::Atan2(y, x) => format!("atan2({}, {})", self.term(y), self.term(x)),
+            Term::Choice([x, y, z]) => {
+                format!("if({} < 0, {}, {})", self.term(x), self.term(y), self.term(z))
+            }
         }
     }
 
@@ -100,6 +103,7 @@ impl Values {
             Term::Number(_) | Term::Value(_) | Term::Function(..) | Term::Atan2(..) | Term::Power(..) => {
                 self.term(term)
             }
+            Term::Choice(_) => self.term(term),
             _ => format!("({})", self.term(term)),
         }
     }

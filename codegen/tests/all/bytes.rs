@@ -80,6 +80,7 @@ impl Machine {
                 let order = u32::try_from(code.count()).expect("a small number");
                 next(code).apply(Function::AngleOverSine(order))
             }
+            24 => next(code).choose(&next(code), &next(code)),
             kind => {
                 let elementary = [
                     f64::sqrt,

@@ -20,6 +20,8 @@ pub trait Value: Clone {
     fn power(&self, exponent: &Self) -> Self;
     /// `atan2(self, x)`
     fn atan2(&self, x: &Self) -> Self;
+    /// `negative` where `self < 0`, `otherwise` elsewhere
+    fn choose(&self, negative: &Self, otherwise: &Self) -> Self;
 }
 
 /// An expression, or several that share what they are made of.
@@ -92,6 +94,7 @@ impl<V: Value> Evaluation<'_, V> {
             Node::Function(function, x) => known(*x).apply(*function),
             Node::Power(b, e) => known(*b).power(known(*e)),
             Node::Atan2(y, x) => known(*y).atan2(known(*x)),
+            Node::Choice([x, y, z]) => known(*x).choose(known(*y), known(*z)),
         }
     }
 }
@@ -164,5 +167,8 @@ impl Value for f64 {
     }
     fn atan2(&self, x: &Self) -> Self {
         f64::atan2(*self, *x)
+    }
+    fn choose(&self, negative: &Self, otherwise: &Self) -> Self {
+        if *self < 0.0 { *negative } else { *otherwise }
     }
 }

@@ -158,6 +158,7 @@ impl<V: Numeric> Frame<'_, V> {
             Term::Function(function, x) => of(x)?.apply(*function),
             Term::Power(x, y) => of(x)?.power(&of(y)?),
             Term::Atan2(y, x) => of(y)?.atan2(&of(x)?),
+            Term::Choice([x, y, z]) => of(x)?.choose(&of(y)?, &of(z)?),
         })
     }
 }

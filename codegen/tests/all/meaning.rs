@@ -226,6 +226,29 @@ fn functions_of_scalars() {
 }
 
 #[test]
+fn choices() {
+    for_values!(all, { a, b, p, v, w, m, s, l }, {
+        agrees!(all; (a - b).abs() + (b - a).abs() * (a - b).signum());
+        agrees!(all; (2.0 * (a - b)).signum() + 0.0_f64.signum() + (-3.0_f64).abs());
+        agrees!(all; a.min(b) - 2.0 * a.max(b) + f64::max(a, 0.7));
+        agrees!(all; v.x.clamp(-0.5, 0.5) + w.y.clamp(a.min(b), a.max(b)) + 2.0_f64.clamp(0.0, 1.0));
+        agrees!(all; if a < b { a } else { 2.0 * b });
+        agrees!(all; if a > b { v } else { w });
+        agrees!(all; if a <= b && b <= a || v.x >= 0.0 { m } else { m.transpose() });
+        agrees!(all; if !(v.x > 0.0) || a == b { 1.0 } else if v.y != w.y && v.z < 0.0 { 2.0 } else { 3.0 });
+        agrees!(all; let turns = v.x * w.x < 0.0; let (x, y) = if turns { (a, p) } else { (b, -p) }; x * y);
+        agrees!(all; if a == a { 1.0 } else { 2.0 });
+        agrees!(all; if a < a || a != a { 1.0 } else { 2.0 });
+        agrees!(all; let n = if 1.0 <= 1.0 { 2 } else { 3 }; a.powi(n));
+        agrees!(all; let close = if a < b { b - a < 0.1 } else { false }; (if close { [a, b] } else { [b, a] })[0]);
+        agrees!(all; l.iter().map(|x| if *x > a { *x } else { x * x }).sum::<f64>());
+        agrees!(all; (0..3).map(|i| if i == 2 { s[i].x } else { l[i] }).sum::<f64>());
+        // what is not taken need not be a number
+        agrees!(all; if a < 0.0 { (a - 10.0).sqrt() } else { (a - b) / (a + 2.0) });
+    });
+}
+
+#[test]
 fn vector_arithmetic() {
     for_values!(all, { a, p, v, w, q }, {
         agrees!(all; v + w - 2.0 * v);

@@ -109,11 +109,23 @@ fn operators() {
     );
     complains("a.sin_cos() + 1.0", &[("+", "a scalar cannot be added to a tuple of 2")]);
     complains("-a.sin_cos()", &[("-", "a tuple of 2 has no negative")]);
-    complains("a < 1.0", &[("<", "a comparison is not smooth")]);
-    complains("a % 1.0", &[("%", "a remainder is not smooth")]);
+    complains("a < 1.0", &[("a < 1.0", "the potential must be a scalar, but this is a condition")]);
+    complains("a < chi", &[("<", "numbers are compared, but these are a scalar and a vector of 3")]);
+    complains(
+        "(a < 1.0) == (a > 0.0)",
+        &[("==", "numbers are compared, but these are a condition and a condition")],
+    );
+    complains("a % 1.0", &[("%", "a remainder jumps again and again, which no step resolves")]);
     complains("a ^ 2", &[("^", "`^` is not a power in Rust; write `x.powi(2)`")]);
-    complains("a && a", &[("&&", "this operator is not supported here")]);
-    complains("!a", &[("!", "this operator is not supported here")]);
+    complains(
+        "a && a > 0.0",
+        &[(
+            "&&",
+            "this stands between conditions, such as `x < 1.0`, but these are a scalar and a condition",
+        )],
+    );
+    complains("!a", &[("!", "`!` is for conditions, such as `x < 1.0`; this is a scalar")]);
+    complains("a | a", &[("|", "this operator is not supported here")]);
 }
 
 #[test]
@@ -147,7 +159,7 @@ fn numbers() {
     complains("1e300 * 1e300", &[("1e300 * 1e300", "this constant is too large or not a number")]);
     complains("1e300 * a * 1e300", &[("1e300 * a * 1e300", "this constant is too large")]);
     complains("\"a\"", &[("\"a\"", "only numbers can be written here")]);
-    complains("true", &[("true", "only numbers can be written here")]);
+    complains("true", &[("true", "the potential must be a scalar, but this is a condition")]);
     complains("(-1.0).sqrt()", &[("sqrt", "`sqrt` is not a real number at -1")]);
     complains(
         "0.0.ln() + 2.0.acos()",
@@ -192,8 +204,14 @@ fn methods() {
     complains("chi.dott(&gamma)", &[("dott", "a vector of 3 has no method `dott`")]);
     assert!(problems("chi.dott(&gamma)")[0].1.contains("did you mean `dot`?"));
     assert!(problems("a.frobnicate()")[0].1.contains("`sqrt`, `powi`"));
-    complains("a.abs()", &[("abs", "`abs` is not smooth, but the equations of motion need derivatives")]);
-    complains("chi.amax() + a.min(1.0)", &[("amax", "`amax` is not smooth"), ("min", "`min` is not smooth")]);
+    complains(
+        "a.floor()",
+        &[("floor", "`floor` jumps again and again, which no step resolves; give such a value as a control")],
+    );
+    complains("chi.abs().x", &[("abs", "a vector of 3 has no method `abs` here; it is one of numbers")]);
+    complains("a.clamp(1.0, 0.5)", &[("clamp", "the lower limit is above the upper one")]);
+    complains("a.clamp(weight, weight - 1.0)", &[("clamp", "the lower limit is above the upper one")]);
+    complains("a.max(chi)", &[("chi", "`max` takes a scalar here, but this is a vector of 3")]);
     complains(
         "chi.dot(&p)",
         &[("&p", "`dot` takes a vector of 3 here, as its receiver is, but this is a vector of 2")],
@@ -292,7 +310,7 @@ fn functions() {
         "<f64 as Float>::sin(a)",
         &[("<f64 as Float>::sin", "this function has no symbolic meaning here")],
     );
-    complains("f64::abs(a)", &[("abs", "`abs` is not smooth")]);
+    complains("f64::round(a)", &[("round", "`round` jumps again and again")]);
     complains("f64::sin(chi)", &[("chi", "`f64::sin` takes a scalar first, but this is a vector of 3")]);
     complains("f64::epsilon()", &[("epsilon", "`f64::epsilon` has no symbolic meaning here")]);
     complains("Vector3::new(a, a).x", &[("new", "`Vector3::new` takes 3 arguments, not 2")]);
@@ -323,8 +341,26 @@ fn functions() {
 
 #[test]
 fn constructs() {
-    complains("if a { a } else { a }", &[("if", "a choice by `if` is not smooth")]);
-    complains("match a { _ => a }", &[("match", "a choice by `match` is not smooth")]);
+    complains(
+        "if a { a } else { a }",
+        &[("a", "a condition compares numbers, as in `x < 1.0`, but this is a scalar")],
+    );
+    complains("if a < 1.0 { a }", &[("if", "this `if` is a value, and needs an `else`")]);
+    complains("if let b = a { b } else { a }", &[("let", "a condition compares numbers here")]);
+    complains(
+        "(if a < 1.0 { chi } else { p }).x",
+        &[("if", "the values to choose from are a vector of 3 and a vector of 2")],
+    );
+    complains(
+        "if a < 1.0 { nothing } else { none }",
+        &[("nothing", "there is no `nothing`"), ("none", "there is no `none`")],
+    );
+    complains("if a < 1.0 { let b = a; b } else { b }", &[("b", "there is no `b` here")]);
+    complains(
+        "a.powi(if a < 1.0 { 2 } else { 3 })",
+        &[("if a < 1.0 { 2 } else { 3 }", "`powi` takes an integer literal")],
+    );
+    complains("match a { _ => a }", &[("match", "write `if … else …` in the place of `match`")]);
     complains("for x in y { }", &[("for", "a loop is not supported here")]);
     complains("loop { }", &[("loop", "a loop is not supported here")]);
     complains("while y { }", &[("while", "a loop is not supported here")]);
@@ -447,7 +483,7 @@ fn closures() {
         &[("nothing", "there is no `nothing` here")],
     );
     complains("(0..3).map(|i| chi * spins[i]).sum::<f64>()", &[("*", "a vector of 3 cannot be multiplied")]);
-    complains("lengths.iter().map(|x| x.abs()).sum::<f64>()", &[("abs", "`abs` is not smooth")]);
+    complains("lengths.iter().map(|x| x.floor()).sum::<f64>()", &[("floor", "`floor` jumps")]);
     complains("lengths.iter().map(|x| broken * x).sum::<f64>()", &[]);
     complains("broken.iter().map(|x| x).sum::<f64>()", &[]);
     complains("lengths.iter().map(|x| x).sum::<f64>() + x", &[("x", "there is no `x` here")]);
@@ -514,12 +550,11 @@ fn the_result_must_be_a_scalar() {
 #[test]
 fn all_problems_are_reported() {
     complains(
-        "{ let b = wieght * chi.dott(&gamma); let c = a.abs(); (if b { c } else { b }) + chi * p - nothing }",
+        "{ let b = wieght * chi.dott(&gamma); let c = a.floor(); (if b { c } else { b }) + chi * p - nothing }",
         &[
             ("wieght", "there is no `wieght` here"),
             ("dott", "a vector of 3 has no method `dott`"),
-            ("abs", "`abs` is not smooth"),
-            ("if", "a choice by `if` is not smooth"),
+            ("floor", "`floor` jumps again and again"),
             ("*", "a vector of 3 cannot be multiplied by a vector of 2"),
             ("nothing", "there is no `nothing` here"),
         ],

@@ -5,7 +5,7 @@
 use coadjoint_codegen::expr::{Arena, Stage, Vector};
 use coadjoint_codegen::group::{Group, MatrixGroup, Retraction, catalogue, family, one_word, part_name};
 use coadjoint_codegen::language::words::{
-    self, ARRAY_METHODS, CONSTRUCTORS, ITERATOR_METHODS, NOT_SMOOTH, POINTS, RANGE,
+    self, ARRAY_METHODS, CONSTRUCTORS, ITERATOR_METHODS, POINTS, RANGE, STEPS,
 };
 use coadjoint_codegen::parse::Key;
 use coadjoint_codegen::quantity::Kind;
@@ -267,10 +267,15 @@ fn expressions() -> String {
          fails.\n\
          * Zero is a state like others: `v.norm() * v`, `x.norm().powi(3)` and the square of an angle have their derivatives there. Where there \
          is none, as of `v.norm()` alone at rest, a Jacobian is an error, and a step that needs it fails.\n\
-         * What is not smooth has no derivative and is refused: {}; choices, comparisons and remainders of numbers too.\n\n",
+         * `if … else …`, `else if` too, between values of one kind; conditions are comparisons of numbers, with `&&`, `||` and `!`. A kink, as \
+         of `abs`, `min`, `max` and `clamp`, has the derivative of the branch that is taken there: of `x.abs()` that is 1 at zero. Both branches are \
+         computed, and one is taken: what is no number in the other does no harm, nor does its derivative. A derivative that does not come from the \
+         branch, as where `if x == 0.0 {{ 1.0 }} else {{ x.sin() / x }}` is 1, is not found. [Kinks and jumps](crate::guide::forces#kinks-and-jumps) cost order.\n\
+         * A comparison with what is not a number counts as one that holds for `<=` and `>=`; `min` and `max` take the receiver then.\n\
+         * What jumps at whole numbers is refused: {}, and remainders of numbers.\n\n",
         codes(CONSTRUCTORS),
         codes(POINTS),
-        codes(NOT_SMOOTH),
+        codes(STEPS),
     )
 }
 

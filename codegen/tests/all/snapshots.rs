@@ -337,7 +337,7 @@ fn no_system_computes_what_its_equations_do_not_need() {
         step.expect("a step with this retraction").program.module
     }
     let of = |module: &Module<StepRole>, role: StepRole| {
-        let Operations { additions, multiplications, divisions, roots, stumpff, functions } =
+        let Operations { additions, multiplications, divisions, roots, stumpff, functions, .. } =
             module.operations(role);
         [additions, multiplications, divisions, roots, stumpff, functions]
     };

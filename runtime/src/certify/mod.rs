@@ -56,7 +56,9 @@
 //! stepper does not solve and a new one does, or that a new one does not solve and twice the digits do, is infinitely far off. Steps that are
 //! differenced by states or step are of new steppers: they are on no trajectory.
 //!
-//! Samples should be in general position: certificates see what the motion there can show. Steps and differences are a small part of a
+//! Samples should be in general position: certificates see what the motion there can show. Of a system that is written [piece by
+//! piece](crate::System::PIECEWISE) they are to be away from kinks: its order is that of the shortest stretch that shows one, of its energy's error nothing
+//! is claimed, and a step over a jump that has no solution is not measured. Steps and differences are a small part of a
 //! radian, or of the time in which the velocity changes; a faster time of its own, as a stiff spring or a drive has it, wants a
 //! [step](Certification::step) that resolves it.
 //!

@@ -126,6 +126,17 @@ impl<T: Real> Scalar for Bounded<T> {
     fn min(self, other: Self) -> Self {
         if self.value <= other.value { self } else { other }
     }
+    /// Where rounding may have decided, the other value was as likely.
+    #[inline]
+    fn if_negative(self, negative: Self, otherwise: Self) -> Self {
+        let taken = self.value.if_negative(negative.value, otherwise.value);
+        if self.error == T::of(0.0) || self.certain() > T::of(0.0) {
+            return Self { value: taken, error: self.value.if_negative(negative.error, otherwise.error) };
+        }
+        let apart = (negative.value - otherwise.value).abs() / T::of(T::EPSILON);
+        let most = if negative.error < otherwise.error { otherwise.error } else { negative.error };
+        Self { value: taken, error: apart + most }
+    }
     #[inline]
     fn recip_or_zero(self) -> Self {
         let value = self.value.recip_or_zero();
@@ -167,6 +178,18 @@ mod tests {
         // half a unit of the quotient, times what it is multiplied by, and of the product: that both differences add is small
         let expected = 2.0 * 0.5 * 1e10;
         assert!((difference.error / expected - 1.0).abs() < 1e-6, "{difference:?}");
+    }
+
+    #[test]
+    fn a_choice_that_rounding_may_have_made_counts_with_the_other_value() {
+        let third = B::exactly(1.0) / B::exactly(3.0);
+        let (one, other) = (B::exactly(2.0), B::exactly(5.0));
+        assert_eq!((-third).if_negative(one, other), one);
+        assert_eq!(B::exactly(0.0).if_negative(one, other), other);
+        assert_eq!(third.if_negative(B::exactly(f64::NAN), other), other);
+        // what is left of a third may be on either side of zero
+        let rest = third - B::exactly(1.0 / 3.0);
+        assert_eq!(rest.if_negative(one, other), B { value: 5.0, error: 3.0 / f64::EPSILON });
     }
 
     #[test]

@@ -80,6 +80,8 @@ pub trait Scalar:
     fn atan2(self, x: Self) -> Self;
     /// The lesser of two numbers.
     fn min(self, other: Self) -> Self;
+    /// `negative` where `self` is below zero, `otherwise` elsewhere. What is not taken has no part in the result.
+    fn if_negative(self, negative: Self, otherwise: Self) -> Self;
     /// The Stumpff functions `c_0(self), …, c_{N−1}(self)`.
     fn stumpff<const N: usize>(self) -> [Self; N];
     /// `1/self`; 0 where `self` is 0, or below the root of the least normal number.
@@ -150,6 +152,10 @@ impl<T: RealField + Copy> Scalar for T {
     delegate! {
         ComplexField: sqrt() exp() ln() sin() cos() tan() asin() acos() atan() sinh() cosh() tanh() powf(exponent);
         RealField: atan2(x) min(other);
+    }
+    #[inline(always)]
+    fn if_negative(self, negative: Self, otherwise: Self) -> Self {
+        if self < T::zero() { negative } else { otherwise }
     }
     #[inline(always)]
     fn stumpff<const N: usize>(self) -> [Self; N] {

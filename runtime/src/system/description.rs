@@ -22,6 +22,8 @@ pub struct Description {
     pub invariant: bool,
     /// Whether a force acts: [`FORCED`](crate::System::FORCED).
     pub forced: bool,
+    /// Whether energy or forces are written piece by piece: [`PIECEWISE`](crate::System::PIECEWISE).
+    pub piecewise: bool,
     /// On which side of the configuration velocities and momenta are taken: [`SIDE`](crate::System::SIDE).
     pub side: Side,
 }
@@ -38,6 +40,7 @@ impl Description {
             autonomous: S::AUTONOMOUS,
             invariant: S::INVARIANT,
             forced: S::FORCED,
+            piecewise: S::PIECEWISE,
             side: S::SIDE,
         }
     }

@@ -234,6 +234,9 @@ pub trait System: Sized {
     const INVARIANT: bool;
     /// Whether a force acts: then neither the motion nor a step is symplectic.
     const FORCED: bool;
+    /// Whether energy or forces are written piece by piece: an `if`, `abs` or `max` in them goes by state or time. Then derivatives may jump, and
+    /// what is proved of smooth systems holds between kinks.
+    const PIECEWISE: bool = false;
     /// On which side of the configuration velocities and momenta are taken.
     const SIDE: Side;
 

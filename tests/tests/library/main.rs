@@ -7,6 +7,7 @@ mod effort;
 mod ensemble;
 mod erased;
 mod faulty;
+mod kinks;
 mod laws;
 mod map;
 mod second_kind;

@@ -262,6 +262,10 @@ fn bound(module: &Values, value: &Term, around: Binding) -> TokenStream {
             let (y, x) = (term(module, y), term(module, x));
             (quote! { T::atan2(#y, #x) }, Binding::Unary)
         }
+        Term::Choice(operands) => {
+            let operands = operands.iter().map(|operand| term(module, operand));
+            (quote! { T::if_negative(#(#operands),*) }, Binding::Unary)
+        }
     };
     if binding < around {
         quote! { (#tokens) }

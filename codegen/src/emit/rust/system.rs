@@ -69,6 +69,8 @@ fn types(interface: &Interface, names: &Names) -> TokenStream {
     };
     let quantities = interface.parameters.iter().map(|field| quantity(names, field));
     let side = format_ident!("{}", format!("{:?}", interface.side));
+    let piecewise =
+        interface.is_piecewise.then(|| quote! { const PIECEWISE: ::core::primitive::bool = true; });
     quote! {
         type Scalar = #scalar;
         type State = #state;
@@ -86,6 +88,7 @@ fn types(interface: &Interface, names: &Names) -> TokenStream {
         const AUTONOMOUS: ::core::primitive::bool = #is_autonomous;
         const INVARIANT: ::core::primitive::bool = #is_left_invariant;
         const FORCED: ::core::primitive::bool = #is_forced;
+        #piecewise
         const SIDE: #private::Side = #private::Side::#side;
     }
 }

@@ -179,8 +179,8 @@ impl<'a> Lowering<'a, '_> {
 
     fn unknown(&mut self, method: &Ident, receiver: &Value<'a>, methods: &[Method]) -> Option<Value<'a>> {
         let name = method.to_string();
-        if NOT_SMOOTH.contains(&name.as_str()) {
-            return self.not_smooth(method, &format!("`{name}`"));
+        if STEPS.contains(&name.as_str()) {
+            return self.steps(method, &format!("`{name}`"));
         }
         let mut names: Vec<&str> = methods.iter().map(|known| known.name).collect();
         if let Value::Element(element) = receiver {
@@ -215,31 +215,8 @@ fn size(argument: &GenericArgument) -> Option<i64> {
     }
 }
 
-/// Methods that Rust or nalgebra have and whose derivatives jump.
-pub const NOT_SMOOTH: &[&str] = &[
-    "abs",
-    "amax",
-    "amin",
-    "ceil",
-    "clamp",
-    "copysign",
-    "div_euclid",
-    "floor",
-    "fract",
-    "iamax",
-    "icamax",
-    "imax",
-    "imin",
-    "inf",
-    "lp_norm",
-    "max",
-    "min",
-    "rem_euclid",
-    "round",
-    "signum",
-    "sup",
-    "trunc",
-];
+/// Methods of Rust whose values jump at whole numbers.
+pub const STEPS: &[&str] = &["ceil", "div_euclid", "floor", "fract", "rem_euclid", "round", "trunc"];
 
 impl<'a> Call<'_, 'a> {
     fn fail<T>(&mut self, tokens: impl quote::ToTokens, message: impl std::fmt::Display) -> Option<T> {

@@ -1,5 +1,6 @@
 //! Methods of scalars, as `f64` has them.
 
+use super::super::choice::{greatest, least};
 use super::super::value::Value;
 use super::{Call, Method, method};
 use crate::expr::{Expr, Function, Number};
@@ -33,6 +34,24 @@ pub(super) static METHODS: &[Method] = &[
     method("hypot", &["x"], |call| {
         let (a, b) = (receiver(call)?, call.scalar(0)?);
         Some(Value::Scalar((a * a + b * b).sqrt()))
+    }),
+    method("abs", &[], |call| {
+        let x = receiver(call)?;
+        Some(Value::Scalar(x.choose(-x, x)))
+    }),
+    method("signum", &[], |call| {
+        let (x, one) = (receiver(call)?, call.arena.one());
+        Some(Value::Scalar(x.choose(-one, one)))
+    }),
+    method("min", &["x"], |call| Some(Value::Scalar(least(receiver(call)?, call.scalar(0)?)))),
+    method("max", &["x"], |call| Some(Value::Scalar(greatest(receiver(call)?, call.scalar(0)?)))),
+    method("clamp", &["min", "max"], |call| {
+        let (lower, upper) = (call.scalar(0), call.scalar(1));
+        let (lower, upper) = (lower?, upper?);
+        if (upper - lower).as_number().is_some_and(|room| room.is_negative()) {
+            return call.fail(call.method, "the lower limit is above the upper one");
+        }
+        Some(Value::Scalar(least(greatest(receiver(call)?, lower), upper)))
     }),
     method("mul_add", &["a", "b"], |call| {
         let (factor, summand) = (call.scalar(0), call.scalar(1));

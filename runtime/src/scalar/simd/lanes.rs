@@ -258,6 +258,10 @@ impl<X: Real, const N: usize, P: Processor> Scalar for Lanes<X, N, P> {
         self.zip(other, |x, y| Scalar::min(x, y))
     }
     #[inline(always)]
+    fn if_negative(self, negative: Self, otherwise: Self) -> Self {
+        Self::select(self.lt(Self::of(0.0)), negative, otherwise)
+    }
+    #[inline(always)]
     fn stumpff<const K: usize>(self) -> [Self; K] {
         match stumpff::near(self) {
             Some(family) => family,

@@ -141,6 +141,11 @@ impl Value for Several {
     fn atan2(&self, x: &Self) -> Self {
         self.zip(x, Value::atan2)
     }
+    fn choose(&self, negative: &Self, otherwise: &Self) -> Self {
+        let [zero, one] = [Number::ZERO, Number::ONE].map(Real::number);
+        let [share, rest] = [(&one, &zero), (&zero, &one)].map(|(a, b)| self.map(|x| x.choose(a, b)));
+        share.mul(negative).add(&rest.mul(otherwise))
+    }
 }
 
 /// A vector of new symbols.

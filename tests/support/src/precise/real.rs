@@ -218,6 +218,10 @@ impl Value for Real {
     fn atan2(&self, x: &Self) -> Self {
         Self(self.0.atan2(&x.0))
     }
+
+    fn choose(&self, negative: &Self, otherwise: &Self) -> Self {
+        if self.0 < f256::ZERO { negative } else { otherwise }.clone()
+    }
 }
 
 /// The operator on numbers and on references to them.

@@ -41,6 +41,8 @@ pub enum Tree {
     Atan2(Box<Tree>, Box<Tree>),
     /// `f(x)`
     Function(Function, Box<Tree>),
+    /// `y` where `x < 0`, `z` elsewhere
+    Choice(Box<Tree>, Box<Tree>, Box<Tree>),
     /// `x`, kept whole
     Held(Box<Tree>),
 }
@@ -64,6 +66,7 @@ impl Tree {
             Self::Power(x, y) => of(x).pow(of(y)),
             Self::Atan2(y, x) => of(y).atan2(of(x)),
             Self::Function(function, x) => of(x).apply(*function),
+            Self::Choice(x, y, z) => of(x).choose(of(y), of(z)),
             Self::Held(x) => of(x).hold(),
         }
     }
@@ -103,6 +106,11 @@ impl Tree {
                     _ => x.abs() <= Real::from(60),
                 };
                 allowed.then_some(x)?.apply(*function)
+            }
+            Self::Choice(x, y, z) => {
+                // both are computed
+                let (y, z) = (of(y)?, of(z)?);
+                if away_from_zero(of(x)?)? < Real::from(0) { y } else { z }
             }
             Self::Held(x) => of(x)?,
         };
@@ -170,6 +178,8 @@ fn node(inner: BoxedStrategy<Tree>) -> BoxedStrategy<Tree> {
         1 => positives.prop_map(function(Function::Ln)),
         1 => small.clone().prop_map(function(Function::Asin)),
         1 => small.prop_map(function(Function::Acos)),
+        2 => (inner.clone(), inner.clone(), inner.clone())
+            .prop_map(|(x, y, z)| Tree::Choice(boxed(x), boxed(y), boxed(z))),
         3 => inner.prop_map(|x| Tree::Held(boxed(x))),
     ]
     .boxed()
