@@ -13,7 +13,7 @@ pub fn require_finite<T: Real>(name: &'static str, components: &[T]) -> Result<(
 /// with seven digits.
 const ASYMMETRY: f64 = 1e-6;
 
-/// A square matrix (flat, order `dimension`) equal to its transpose up to [`ASYMMETRY`], or an error naming the parameter.
+/// A square matrix (flat, order `dimension`) equal to its transpose up to 1e-6 of its largest entry, or an error naming the parameter.
 #[doc(hidden)]
 pub fn require_symmetric<T: Real>(
     name: &'static str,

@@ -314,6 +314,18 @@ fn symmetric_matrices_stay_symmetric() {
     }
 }
 
+/// Last digits that are off, as those of single precision, are no reason to draw mirrored entries apart.
+#[test]
+fn inertias_that_are_nearly_symmetric_are_drawn_so() {
+    let entry = catalogue().find("rigid_body_in_space").expect("it is there");
+    let mut setup = entry.example.clone();
+    setup.parameters[1] += 1e-9;
+    let variation = Variation::parse(entry, &setup, &["inertia=0.01".to_owned()]).expect("valid");
+    let member = variation.member(entry, &setup, 7, 0).parameters;
+    assert_eq!(member[1], member[6]);
+    assert!((member[1] - setup.parameters[1]).abs() > 1e-6);
+}
+
 #[test]
 fn spreads_are_told_in_words() {
     let words =

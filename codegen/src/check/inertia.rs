@@ -79,7 +79,8 @@ impl<'d> Resolver<'d> {
     fn check_coverage(&self, diagnostics: &mut Diagnostics) {
         let marks = self.marks();
         if marks.is_empty() {
-            let message = "which parameter is the inertia? Mark one field with `#[inertia]`, or give a `hamiltonian` or a `lagrangian`";
+            let message = "which parameter is the inertia? Mark one field with `#[inertia]`, or give a `hamiltonian` or a \
+                           `lagrangian`";
             diagnostics.push(&self.item.name, message);
             return;
         }

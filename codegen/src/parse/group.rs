@@ -203,7 +203,9 @@ fn basis_matrix(input: ParseStream<'_>) -> syn::Result<BasisMatrix> {
     let mut rows = vec![Vec::new()];
     while !content.is_empty() {
         let negative = content.parse::<Option<Token![-]>>()?.is_some();
-        let entry: LitInt = content.parse().explained("expected a whole number, as in `[1, 0; 0, -1]`; of halves write the double, and scale the coordinate")?;
+        let entry: LitInt = content.parse().explained(
+            "expected a whole number, as in `[1, 0; 0, -1]`; of halves write the double, and scale the coordinate",
+        )?;
         let value = i64::from(entry.base10_parse::<i32>()?);
         if let Some(row) = rows.last_mut() {
             row.push(if negative { -value } else { value });
