@@ -13,13 +13,16 @@ use crate::ensemble::Instructions;
 use crate::ensemble::members::{Builder, Member, Members};
 use crate::error::{ParameterError, StepError};
 use crate::flat::{Flat, Method, array};
+use crate::legendre::LegendreError;
 use crate::retraction::RetractionKind;
 use crate::scalar::Batch;
 use crate::scheme::{Base, Rule};
 use crate::schemes::Scheme;
 use crate::solve::step::OneStep;
 use crate::stepper::check_state;
-use crate::system::{self, Control, Description, Dynamics, Generated, Quantity, Schemes, State, Visitor};
+use crate::system::{
+    self, Control, Description, Dynamics, Generated, Kind, Quantity, Role, Schemes, State, Visitor,
+};
 
 /// How many numbers these quantities are.
 pub(crate) fn length(quantities: &[Quantity]) -> usize {
@@ -53,6 +56,12 @@ pub trait Geometry {
     fn validate(&self) -> Result<(), ParameterError>;
     /// [`State::deviation`](crate::State::deviation)
     fn deviation(&self, state: &[f64]) -> f64;
+    /// The state with the velocity that stands in `state` in the places of momenta: see
+    /// [`System::momentum_of`](crate::System::momentum_of).
+    ///
+    /// # Errors
+    /// As there.
+    fn with_velocity(&self, state: &[f64], time: f64, control: &[f64]) -> Result<Vec<f64>, LegendreError>;
     /// [`System::energy_at`](crate::System::energy_at)
     fn energy(&self, state: &[f64], time: f64, control: &[f64]) -> f64;
     /// [`System::casimirs`](crate::System::casimirs)
@@ -107,6 +116,12 @@ impl<S: system::Geometry<Scalar = f64>> Geometry for S {
         state_of::<S>(state).deviation()
     }
 
+    fn with_velocity(&self, state: &[f64], time: f64, control: &[f64]) -> Result<Vec<f64>, LegendreError> {
+        let state = state_of::<S>(state);
+        let momentum = self.momentum_of(&self.momentum(&state), &state, time, &control_of::<S>(control))?;
+        Ok(self.with_momentum(&state, &momentum).to_components().as_ref().to_vec())
+    }
+
     fn energy(&self, state: &[f64], time: f64, control: &[f64]) -> f64 {
         self.energy_at(&state_of::<S>(state), time, &control_of::<S>(control))
     }
@@ -135,7 +150,7 @@ impl<S: system::Geometry<Scalar = f64>> Geometry for S {
 /// A system with all that was generated for it, its type erased; any system over `f64` that the macro made is one, and nothing else can be.
 ///
 /// A `&dyn System` has, without an import, these calls on slices too, as [`system::System`] and [`system::Geometry`] have them on states:
-/// `description()`, `parameters()`, `validate()`, `deviation(state)`, `energy(state, time, control)`, `casimirs(state)`, `displace(state, map, by)`,
+/// `description()`, `parameters()`, `validate()`, `deviation(state)`, `with_velocity(state, time, control)`, `energy(state, time, control)`, `casimirs(state)`, `displace(state, map, by)`,
 /// `differential(state, time, control)`, `hamiltonian_vector(state, covector)`, `force(state, time, control)` and `motion(state, time, control)`; besides,
 /// `vector_field(state, time, control)`, the motion as the derivative of the stored numbers. Slices have the lengths of the system's arrays: what
 /// is missing counts as zero, what is too much does not count.
@@ -253,6 +268,23 @@ const fn is_taken_together<S: system::System>(map: RetractionKind, rule: Rule) -
     S::INVARIANT && map.is_matrix_function() && is_standard::<S>(rule)
 }
 
+/// Whether a step is that with the Cayley map. Where all configurations are vectors it is the exponential's too, and bears that name.
+const fn is_cayley<S: system::System>(map: RetractionKind) -> bool {
+    if matches!(map, RetractionKind::Cayley) {
+        return true;
+    }
+    let quantities = <S::State as State>::QUANTITIES;
+    let mut k = 0;
+    while k < quantities.len() {
+        let is_vector = matches!(quantities[k].kind, Kind::Scalar | Kind::Vector(_));
+        if matches!(quantities[k].role, Role::Configuration) && !is_vector {
+            return false;
+        }
+        k += 1;
+    }
+    true
+}
+
 /// The standard step on the Cayley map, of states side by side.
 struct Standard<S>(PhantomData<fn() -> S>);
 
@@ -283,7 +315,7 @@ impl<T: Batch, S: system::System, const ALL: bool> Visitor<S> for OfMethods<'_, 
         S: Generated<M>,
     {
         // what is not asked for is not compiled
-        if const { !ALL && !(matches!(M::MAP, RetractionKind::Cayley) && is_standard::<S>(M::RULE)) } {
+        if const { !(ALL || is_cayley::<S>(M::MAP) && is_standard::<S>(M::RULE)) } {
             return None;
         }
         Some(if const { T::LANES > 1 || is_taken_together::<S>(M::MAP, M::RULE) } {
