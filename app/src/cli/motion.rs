@@ -10,7 +10,7 @@ use crate::catalogue::{Catalogue, Entry};
 use crate::error::{Error, SetupError};
 use crate::setup::config::{Config, RunConfig};
 use crate::setup::{Changes, Job, Method, MethodParser, Order, Retraction, Setup};
-use crate::units::short;
+use crate::units::rounded;
 
 /// The arguments that choose a run, or the file that describes it.
 #[derive(Clone, Debug, Args)]
@@ -165,7 +165,7 @@ impl<'e> Motion<'e> {
                 rest = 0.0;
                 format!("the run ends at {} s", steps as f64 * step)
             } else {
-                format!("the last step is {} s", short(rest))
+                format!("the last step is {} s", rounded(rest))
             };
             note = Some(format!("{duration} s are not a whole number of steps of {step} s: {end}"));
         }

@@ -9,7 +9,7 @@ use crate::files::{Provenance, invariants};
 use crate::record::{ConservationReport, DriftStats};
 use crate::setup::{Job, Method, Setup, standard};
 use crate::simulate::ErrorEstimate;
-use crate::units::{figures, grouped, magnitude, short, with_unit, with_unit_behind};
+use crate::units::{figures, grouped, magnitude, rounded, with_unit, with_unit_behind};
 
 /// One run's column.
 #[derive(Clone, Debug)]
@@ -114,7 +114,7 @@ pub fn table(entry: &Entry, runs: &[RunSummary]) -> String {
     row("order", &|run| run.job.order_of_step(entry).to_string());
     row("steps", &|run| grouped(run.conservation.steps));
     if runs.iter().any(|run| run.job.rest != 0.0) {
-        row("last step, s", &|run| short(if run.job.rest == 0.0 { run.job.step } else { run.job.rest }));
+        row("last step, s", &|run| rounded(if run.job.rest == 0.0 { run.job.step } else { run.job.rest }));
     }
     row("time per step, ns", &|run| run.time_per_step.map_or("–".to_owned(), |time| format!("{time:.0}")));
     row("iterations per step", &|run| format!("{:.2}", run.report.iterations_per_step()));

@@ -18,7 +18,7 @@ use crate::files::{OverwriteGuard, PlannedFile, Provenance, by_name, file_in, in
 use crate::setup::Scan;
 use crate::simulate::scan::{self, Outcome, ScanRow};
 use crate::simulate::{Distance, stepper, threads};
-use crate::units::{exact, figures, grouped, magnitude, short, with_unit, wrapped};
+use crate::units::{exact, figures, grouped, magnitude, rounded, with_unit, wrapped};
 
 /// Columns that a terminal has.
 const WIDTH: usize = 80;
@@ -82,7 +82,7 @@ fn conserved(entry: &Entry) -> Vec<(&'static str, &'static str)> {
 fn shown(entry: &Entry, scans: &[Scan], rows: &[ScanRow]) -> String {
     let mut columns: Vec<(String, Vec<String>)> = Vec::new();
     for (i, scan) in scans.iter().enumerate() {
-        let cells = rows.iter().map(|row| short(row.values[i])).collect();
+        let cells = rows.iter().map(|row| rounded(row.values[i])).collect();
         columns.push((with_unit(&scan.name, scan.unit), cells));
     }
     let of = |name: String, cell: &dyn Fn(&Outcome) -> String| {
@@ -99,8 +99,8 @@ fn shown(entry: &Entry, scans: &[Scan], rows: &[ScanRow]) -> String {
             Some(difference) => difference.words(),
             None => "–".to_owned(),
         };
-        columns.insert(scans.len(), of("end state off by".to_owned(), &cell));
-        columns.push(of("time, s".to_owned(), &|outcome| figures(outcome.seconds, 2)));
+        let time = of("time, s".to_owned(), &|outcome| figures(outcome.seconds, 2));
+        columns.splice(scans.len()..scans.len(), [of("end state off by".to_owned(), &cell), time]);
     }
     columns.push(of("iterations".to_owned(), &|outcome| format!("{:.2}", outcome.iterations)));
     columns.push(of("ns/step".to_owned(), &|outcome| format!("{:.0}", outcome.ns_per_step)));

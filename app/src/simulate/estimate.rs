@@ -10,7 +10,7 @@ use crate::catalogue::quantities::rotation;
 use crate::catalogue::{Entry, Setup};
 use crate::error::RunError;
 use crate::setup::Job;
-use crate::units::{magnitude, short};
+use crate::units::{magnitude, rounded};
 
 /// The distance between two states: that of the quantity which differs most.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -70,7 +70,7 @@ pub struct ErrorEstimate {
 impl ErrorEstimate {
     /// Says it in a sentence.
     pub fn words(&self) -> String {
-        let time = short(self.time.abs());
+        let time = rounded(self.time.abs());
         if self.distance.distance == 0.0 {
             return format!("trajectory: half the step leads to the same state after {time} s");
         }

@@ -231,6 +231,8 @@ fn links_and_devices_are_written_to() {
     assert!(view("/dev/null").status.success());
     assert!(fs::metadata("/dev/null").expect("there").file_type().is_char_device());
     if cfg!(target_os = "linux") {
+        let shown = view("/dev/stdout");
+        assert!(shown.status.success() && text(&shown.stdout).contains("</html>"), "{}", text(&shown.stderr));
         let full = view("/dev/full");
         assert_eq!(full.status.code(), Some(4), "{}", text(&full.stderr));
         symlink("/dev/full", scratch.path("elsewhere/driven_pendulum-cayley.csv")).expect("writable");

@@ -523,3 +523,19 @@ fn a_second_signal_leaves_no_temporary_file() {
     assert_eq!(status.and_then(|status| status.code()), Some(143));
     assert!(scratch.files("out").iter().all(|name| !name.ends_with("tmp")), "{:?}", scratch.files("out"));
 }
+
+/// What has nothing to finish ends at the first signal, and is not killed by it: what it began is removed.
+#[test]
+fn a_signal_ends_what_runs_nothing() {
+    let scratch = Scratch::new("play");
+    scratch.write("data.json", br#"{"format": "coadjoint page 1", "time": [0, 1], "runs": []}"#);
+    // nobody reads the page: it cannot be written
+    assert!(Command::new("mkfifo").arg(scratch.path("page")).status().expect("mkfifo").success());
+    let mut child = scratch.command(&["play", "data.json", "--out", "page"]).spawn().expect("it starts");
+    std::thread::sleep(Duration::from_millis(300));
+    assert!(child.try_wait().expect("waits").is_none(), "it waits for a reader");
+    signal(&child, "-INT");
+    let output = child.wait_with_output().expect("it ends");
+    assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
+    assert_eq!(scratch.files("."), ["data.json", "page"]);
+}

@@ -32,6 +32,7 @@ fn everything_fits_a_terminal() {
         ],
         &["run", "heavy_top", "--duration", "1", "--scan", "inertia_x=-1,1"],
         &["run", "heavy_top", "--duration", "1", "--scan", "weight=1:2:3", "--scan", "chi_x=0,0.1"],
+        &["run", "heavy_top", "--duration", "1", "--scan", "step=0.013,0.01,0.005"],
         &["ensemble", "heavy_top", "--members", "10", "--duration", "1", "--spread", "inertia=1%"],
         &["certify", "heavy_top"],
         &["init", "heavy_top"],

@@ -76,7 +76,7 @@ fn examine(name: &str) {
         if is_asked_for(entry, method) {
             comes_to_the_same(
                 entry,
-                &Job { method, retraction, order, step: entry.step, steps: 60, rest: 0.0 },
+                &Job { method, retraction, order, step: entry.step, steps: 60, rest: 0.25 * entry.step },
             );
         }
     }
@@ -143,10 +143,10 @@ fn comes_to_the_same(entry: &Entry, job: &Job) {
         simulate(entry, &setup, job, from, &EVERY, watch).expect("solvable");
         (seen, checkpoint)
     };
-    let (whole, _) = run(None, job.steps);
+    let (whole, _) = run(None, job.total());
     let (mut pieces, first) = run(None, 1);
     let (second, middle) = run(Some(&first), 37);
-    let (third, _) = run(Some(&middle), job.steps);
+    let (third, _) = run(Some(&middle), job.total());
     for piece in [second, third] {
         // the sample it resumes from was recorded before
         assert_eq!(pieces.last(), piece.first(), "{}, {job:?}", entry.name);

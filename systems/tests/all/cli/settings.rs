@@ -149,18 +149,19 @@ fn the_error_of_a_trajectory_is_estimated() {
     };
     let (told, end) = run(&[]);
     let estimate = &told["error_estimate"];
-    assert_eq!((&estimate["time"], &estimate["quantity"]), (&10.0.into(), &"momentum".into()), "{told}");
+    assert_eq!((&estimate["time"], &estimate["quantity"]), (&10.0.into(), &"attitude".into()), "{told}");
     let stated = estimate["distance"].as_f64().expect("a number");
     let beside = scratch.read("out/heavy_top-exponential.run.json");
     assert!(
-        beside.contains("trajectory: error of about") && beside.contains("of momentum after 10 s"),
+        beside.contains("trajectory: error of about") && beside.contains("rad of attitude after 10 s"),
         "{beside}"
     );
     scratch.prints(&["run", "heavy_top", "--duration", "10", "--order", "8", "--every", "1000"]);
     let (_, rows) = table(&scratch.read("out/heavy_top-order8-exponential.csv"));
     let norm = |numbers: &[f64]| numbers.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let apart: Vec<f64> = end[5..8].iter().zip(&rows[1][5..8]).map(|(a, b)| a - b).collect();
-    let right = norm(&apart) / norm(&rows[1][5..8]).max(norm(&rows[0][5..8]));
+    // the angle between two attitudes
+    let apart: Vec<f64> = end[1..5].iter().zip(&rows[1][1..5]).map(|(a, b)| a - b).collect();
+    let right = 4.0 * (0.5 * norm(&apart)).asin();
     // half the step leaves a quarter of it
     assert!((stated / right - 0.75).abs() < 0.05, "{stated:e} for {right:e}");
     // as a scan of the step has it
@@ -171,7 +172,7 @@ fn the_error_of_a_trajectory_is_estimated() {
     assert_eq!(scan["runs"][1]["difference"]["distance"], 0.0);
 }
 
-/// A rotor that turns by 0.6 rad a step counts as 1/(1 + 0.09) of its momentum.
+/// A rotor that turns by η = 0.6283 rad a step counts as 1/(1 + η²/4) of its momentum.
 #[test]
 fn a_turn_that_the_cayley_map_slows_is_noted() {
     let scratch = Scratch::new("slowed");
@@ -182,7 +183,7 @@ fn a_turn_that_the_cayley_map_slows_is_noted() {
     };
     let printed = run(&["--retraction", "cayley"]);
     let words = printed.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(words.contains("counts as 91.7 % of its momentum: take `--retraction exponential`"), "{printed}");
+    assert!(words.contains("counts as 91.0 % of its momentum: take `--retraction exponential`"), "{printed}");
     assert!(!run(&[]).contains("counts as"));
 }
 
