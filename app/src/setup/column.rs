@@ -1,5 +1,6 @@
 //! Columns of a table beside the numbers of the state.
 
+use clap::ValueEnum as _;
 use coadjoint::erased;
 use coadjoint::system::{Quantity, Role};
 use serde::{Deserialize, Serialize};
@@ -28,14 +29,8 @@ pub enum Column {
 
 impl Column {
     /// Its name on the command line.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Velocity => "velocity",
-            Self::Euler => "euler",
-            Self::Rotvec => "rotvec",
-            Self::Mrp => "mrp",
-            Self::Angle => "angle",
-        }
+    pub(crate) fn name(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
     }
 
     fn form(self) -> Option<(RotationForm, [&'static str; 3])> {

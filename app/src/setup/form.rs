@@ -1,5 +1,6 @@
 //! Rotations and symmetric matrices in the forms in which people have them.
 
+use clap::ValueEnum as _;
 use coadjoint::system::{Kind, Quantity};
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -7,7 +8,7 @@ use crate::catalogue::quantities::rotation;
 use crate::error::SetupError;
 
 /// A way to write a rotation of space in three numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub(super) enum RotationForm {
     /// Roll, pitch and yaw, rad: turns about x, then y, then z, each in the axes of space.
     Euler,
@@ -18,25 +19,14 @@ pub(super) enum RotationForm {
 }
 
 impl RotationForm {
-    const ALL: [Self; 3] = [Self::Euler, Self::Rotvec, Self::Mrp];
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Euler => "euler",
-            Self::Rotvec => "rotvec",
-            Self::Mrp => "mrp",
-        }
-    }
-
     /// Finds the form of this name.
     ///
     /// # Errors
     /// If there is none.
     pub(super) fn named(name: &str) -> Result<Self, SetupError> {
-        Self::ALL.into_iter().find(|form| form.name() == name.trim()).ok_or_else(|| {
-            let reason =
-                format!("there is no form `{}` of a rotation: `euler`, `rotvec` or `mrp`", name.trim());
-            SetupError::new(reason)
+        let name = name.trim();
+        Self::from_str(name, false).map_err(|_| {
+            SetupError::new(format!("there is no form `{name}` of a rotation: `euler`, `rotvec` or `mrp`"))
         })
     }
 
