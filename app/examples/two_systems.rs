@@ -2,7 +2,7 @@
 //! `cargo run --example two_systems -- run heavy_top --plot`.
 
 use coadjoint::prelude::*;
-use coadjoint_app::Example;
+use coadjoint_app::{App, Example};
 
 /// A rigid body that turns about a fixed point under gravity.
 #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.dot(&chi), methods(Midpoint))]
@@ -55,5 +55,6 @@ impl Example for DrivenPendulum {
 }
 
 fn main() -> std::process::ExitCode {
-    coadjoint_app::main([HeavyTop::entry(), DrivenPendulum::entry()])
+    let app = App::new([HeavyTop::entry(), DrivenPendulum::entry()]);
+    app.named("two_systems", "1.2.3", "A heavy top and a driven pendulum.").main()
 }

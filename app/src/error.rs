@@ -5,10 +5,10 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use coadjoint::ParameterError;
 use coadjoint::certify::CertifyError;
 use coadjoint::ensemble::EnsembleError;
 use coadjoint::erased::StepperError;
+use coadjoint::{ParameterError, StepError};
 use coadjoint_classical::Diverged;
 use thiserror::Error;
 
@@ -105,10 +105,13 @@ pub enum RunError {
     /// The motion could not be computed to its end.
     #[error(transparent)]
     Motion(#[from] coadjoint::RunError),
+    /// A step that was taken by itself could not be taken.
+    #[error(transparent)]
+    Step(#[from] StepError),
     /// A step turns the system farther than the retraction reaches.
     #[error(
         "step {}, from time {}, could not be taken: it turns by about {turn:.1} rad, and the exponential map reaches 2π; a step below \
-         {step:.1e} s turns by less than π, and the Cayley map takes every angle",
+         {step:.1e} s turns by less than π",
         .source.step, .source.time
     )]
     TooFar {
@@ -160,7 +163,7 @@ macro_rules! of_runs {
     };
 }
 
-of_runs!(ParameterError, coadjoint::RunError, Diverged);
+of_runs!(ParameterError, StepperError, StepError, EnsembleError, coadjoint::RunError, Diverged);
 
 impl From<ParameterError> for RunError {
     fn from(error: ParameterError) -> Self {

@@ -44,9 +44,35 @@ pub(crate) fn wrapped(text: &str, width: usize) -> Vec<String> {
     textwrap::wrap(text, options).into_iter().map(|line| line.into_owned()).collect()
 }
 
+/// Writes a text for a terminal, which obeys control characters: they are shown as what they are. Of a text without
+/// end the beginning.
+pub(crate) fn printable(text: &str) -> String {
+    /// Longer than any message.
+    const LONGEST: usize = 10_000;
+
+    let mut shown = String::new();
+    for (at, letter) in text.char_indices() {
+        if at > LONGEST {
+            shown += &format!("… ({} bytes)", text.len());
+            break;
+        }
+        match letter {
+            '\n' | '\t' => shown.push(letter),
+            letter if letter.is_control() => shown.extend(letter.escape_unicode()),
+            letter => shown.push(letter),
+        }
+    }
+    shown
+}
+
 /// Writes six digits, without zeros at the end.
 pub(crate) fn short(value: f64) -> String {
     figures(value, 5)
+}
+
+/// Writes six digits at most, as all of a number is written: `0.004`.
+pub(crate) fn rounded(value: f64) -> String {
+    exact(format!("{value:.5e}").parse().unwrap_or(value))
 }
 
 /// Writes numbers to three digits behind the point: `0.5,0.866`.
@@ -103,6 +129,10 @@ mod tests {
         ] {
             assert_eq!(figures(number, 4), text);
         }
+        assert_eq!(printable("a\n\u{1b}]0;title\u{7}\u{9b}"), "a\n\\u{1b}]0;title\\u{7}\\u{9b}");
+        let long = printable(&"é".repeat(1_000_000));
+        assert!(long.len() < 10_100 && long.ends_with("é… (2000000 bytes)"), "{}", long.len());
+        assert_eq!([1.004 - 1.0, 60.0, 1.0 / 3.0, 1e-7].map(rounded), ["0.004", "60", "0.333333", "1e-7"]);
         assert_eq!(wrapped("one two three, four", 9), ["one two", "three,", "four"]);
         assert_eq!(wrapped("longer-than-that", 3), ["longer-than-that"]);
         assert_eq!(wrapped("", 3), [""; 0]);

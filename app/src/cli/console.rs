@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use super::progress::Progress;
 use crate::error::{Error, SetupError};
-use crate::units::wrapped;
+use crate::units::{printable, wrapped};
 
 /// How a command prints what it found.
 #[derive(Clone, Copy, Debug, Default, Args)]
@@ -62,7 +62,7 @@ impl Console<'_> {
     /// # Errors
     /// If it cannot be written.
     pub fn note(&mut self, note: String) -> Result<(), Error> {
-        let line = wrapped(&format!("note: {note}"), 78).join("\n  ") + "\n";
+        let line = wrapped(&format!("note: {}", printable(&note)), 78).join("\n  ") + "\n";
         self.notes.push(note);
         match (self.mode, self.is_taken) {
             (OutputMode { quiet: true, .. }, _) => {}

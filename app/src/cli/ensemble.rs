@@ -20,7 +20,7 @@ use crate::files::{
     FileOrigin, Members, NewFile, OverwriteGuard, PlannedFile, Provenance, Status, file_in, is_stdout, table,
 };
 use crate::picture::{Kind, ensemble_figure};
-use crate::setup::{Changes, Job, Retraction, Setup};
+use crate::setup::{Changes, Job, Setup};
 use crate::simulate::ensemble::{self, EnsembleSpec, EnsembleSummary, Observable, Variation};
 use crate::simulate::threads;
 use crate::units::{grouped, short};
@@ -81,7 +81,7 @@ pub(crate) fn described(
     let EnsembleArguments { scheme, motion, members, spread, seed, quantity, .. } = arguments;
     let entry = catalogue.system(&arguments.system)?;
     check_scheme(scheme.method, scheme.order, scheme.retraction)?;
-    let described = Motion::of(Changes::of(entry), scheme, Retraction::Cayley, motion, console)?;
+    let described = Motion::of(Changes::of(entry), scheme, true, motion, console)?;
     again.map_or(Ok(()), |made| made.check_digits(entry, &described.setup, &described.job))?;
     let every = arguments.every.unwrap_or(Members::every(described.job.steps));
     let (spread, quantity) = (spread.clone(), quantity.clone());

@@ -1,17 +1,32 @@
 //! Ctrl-C and the signals to end: the first ends a run cleanly, what was computed is written; the second ends the
-//! program.
+//! program, as the first does where nothing runs. Files that are not in their places are removed then.
 
 use std::sync::Once;
-use std::sync::atomic::{AtomicI32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 
 use signal_hook::consts::{SIGINT, SIGTERM};
 
 /// The signal that came, or 0.
 static SIGNAL: AtomicI32 = AtomicI32::new(0);
 static LISTENING: Once = Once::new();
+/// Whether something runs that ends by itself once a signal came.
+static ENDS: AtomicBool = AtomicBool::new(false);
+
+/// Lets a run end by itself after the first signal: it asks whether one was [`requested`].
+pub(crate) fn listen() {
+    ENDS.store(true, Ordering::Relaxed);
+    install_once();
+}
+
+/// Lets a signal end the program at once, until something [listens](listen).
+pub(super) fn guard() {
+    if cfg!(unix) {
+        install_once();
+    }
+}
 
 /// Installs the handlers of SIGINT, SIGTERM and SIGHUP; under `nohup`, SIGHUP stays ignored.
-pub(crate) fn listen() {
+fn install_once() {
     LISTENING.call_once(|| {
         // without a handler a signal ends the program at once: not worth failing for
         let _ = install();
@@ -30,7 +45,7 @@ fn install() -> std::io::Result<()> {
     let mut signals = Signals::new(signals)?;
     std::thread::Builder::new().name("signals".to_owned()).spawn(move || {
         for signal in signals.forever() {
-            if SIGNAL.swap(signal, Ordering::Relaxed) != 0 {
+            if SIGNAL.swap(signal, Ordering::Relaxed) != 0 || !ENDS.load(Ordering::Relaxed) {
                 crate::files::remove_unfinished();
                 std::process::exit(exit_code().into());
             }
@@ -42,7 +57,6 @@ fn install() -> std::io::Result<()> {
 #[cfg(not(unix))]
 fn install() -> std::io::Result<()> {
     use std::sync::Arc;
-    use std::sync::atomic::AtomicBool;
     let came = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {
         signal_hook::flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&came))?;

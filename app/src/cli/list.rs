@@ -115,9 +115,10 @@ fn conserved<N: From<&'static str>>(
     energy.into_iter().chain(casimirs).collect()
 }
 
-/// The methods of ours that there are of it.
+/// All methods of ours that there are of it.
 fn methods(entry: &Entry) -> Vec<String> {
-    let generated = Method::COMMON.into_iter().filter(|method| has_method(entry, *method));
+    let generated = Method::COMMON.into_iter().chain(Method::with_numbers());
+    let generated = generated.filter(|method| has_method(entry, *method));
     let lifted = entry.has_right_lift().then_some(Method::RightLift);
     generated.chain(lifted).map(|method| method.to_string()).collect()
 }

@@ -27,8 +27,9 @@ use std::process::ExitCode;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use crate::catalogue::{Catalogue, Entry};
+use crate::catalogue::{Catalogue, Entry, set_program};
 use crate::error::{Error, FileError, RunError};
+use crate::units::printable;
 
 /// The meaning of exit codes.
 const EXIT_CODES: &str = "\
@@ -85,6 +86,8 @@ type RunFn = Box<dyn Fn(&Catalogue, &ArgMatches, &mut dyn Write) -> Result<(), E
 pub struct App {
     catalogue: Catalogue,
     commands: Vec<(clap::Command, RunFn)>,
+    /// What `--help` begins with.
+    about: Option<&'static str>,
     default: Option<&'static str>,
 }
 
@@ -97,7 +100,14 @@ impl std::fmt::Debug for App {
 impl App {
     /// A program for these systems.
     pub fn new(entries: impl IntoIterator<Item = Entry>) -> Self {
-        Self { catalogue: Catalogue::new(entries), commands: Vec::new(), default: None }
+        Self { catalogue: Catalogue::new(entries), commands: Vec::new(), about: None, default: None }
+    }
+
+    /// With a name, a version and a line about it: its files name the first two, and `--help` and `--version` show them.
+    /// As in `named(env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION"), "points a satellite")`.
+    pub fn named(self, name: &'static str, version: &'static str, about: &'static str) -> Self {
+        set_program(name, version);
+        Self { about: Some(about), ..self }
     }
 
     /// With one more command, of this name, with a line about it: what runs it gets its arguments, and writes to the
@@ -132,7 +142,7 @@ impl App {
             Err(Error::Interrupted) => ExitCode::from(exit_code(&Error::Interrupted)),
             Err(error) => {
                 // if standard error is closed too, the exit code still speaks
-                let _ = writeln!(io::stderr(), "error: {error}");
+                let _ = writeln!(io::stderr(), "error: {}", printable(&error.to_string()));
                 ExitCode::from(exit_code(&error))
             }
         }
@@ -142,8 +152,9 @@ impl App {
     fn parser(&self) -> clap::Command {
         let own = self.commands.iter().map(|(arguments, _)| arguments.clone());
         let systems = SystemParser(self.catalogue.clone());
-        CommandLine::command()
-            .name(program())
+        let command = CommandLine::command().name(program()).version(crate::catalogue::program()[1]);
+        let command = self.about.iter().fold(command, |command, about| command.about(*about));
+        command
             .subcommands(own)
             .mut_subcommands(|command| {
                 command.mut_args(|argument| match argument.get_id().as_str() {
@@ -164,6 +175,7 @@ impl App {
         if arguments.len() == 1 {
             arguments.extend(self.default.map(OsString::from));
         }
+        interrupt::guard();
         let matches = self.parser().get_matches_from(arguments);
         let own = matches.subcommand().and_then(|(name, matches)| {
             let own = self.commands.iter().find(|(arguments, _)| arguments.get_name() == name);

@@ -10,6 +10,7 @@ use crate::catalogue::{Catalogue, Entry};
 use crate::error::{Error, SetupError};
 use crate::setup::config::{Config, RunConfig};
 use crate::setup::{Changes, Job, Method, MethodParser, Order, Retraction, Setup};
+use crate::units::rounded;
 
 /// The arguments that choose a run, or the file that describes it.
 #[derive(Clone, Debug, Args)]
@@ -28,7 +29,9 @@ pub(crate) struct ChosenRun {
 /// The arguments that choose steps.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct SchemeArguments {
-    /// The map that the step is built on; `exp` and `cay` for short
+    /// The map of the step [default: exponential, of ensembles cayley]
+    ///
+    /// `exp` and `cay` for short. Where there are no steps with the default, it is what `list NAME` names first.
     #[arg(long, value_enum)]
     pub(crate) retraction: Option<Retraction>,
     /// What the step makes of it, or a classical method [default: standard]
@@ -37,7 +40,7 @@ pub(crate) struct SchemeArguments {
     /// of their own, and are not fast; with most of those in stored numbers rotations drift off their group.
     #[arg(long, value_parser = MethodParser)]
     pub(crate) method: Option<Method>,
-    /// 2, or 4, 6, 8, 10: symmetric compositions of steps of order 2
+    /// 2, or 4, 6, 8, 10: composed of steps of order 2 [default: 2]
     #[arg(long, value_enum)]
     pub(crate) order: Option<Order>,
 }
@@ -47,15 +50,24 @@ pub(crate) struct SchemeArguments {
 pub(crate) struct MotionArguments {
     /// A parameter, a part of the initial state, or a control to be held
     ///
-    /// `weight=9.81`, `chi=0,0,0.3`, `momentum_z=5`; a control is held in place of what the system's own law chooses:
-    /// `thrust=9`. Where the configuration is set, advected vectors turn along unless they are set too.
+    /// `weight=9.81`, `chi=0,0,0.3`, `momentum_z=5`, or in place of a momentum its velocity: `velocity_z=5`. A control
+    /// is held in place of what the system's own law chooses: `thrust=9`. Where the configuration is set, advected
+    /// vectors turn along unless they are set too.
+    ///
+    /// An attitude, which leads from body axes to those of space, is its quaternion `w,x,y,z`, or `attitude=euler:r,p,y`
+    /// (roll, pitch and yaw, rad: about x, then y, then z of space), `rotvec:x,y,z` (axis times angle, rad), `mrp:x,y,z`
+    /// (modified Rodrigues parameters). A rotation in the plane is cosine and sine, or its angle in rad. A symmetric matrix
+    /// is all of its numbers, its upper triangle row by row, as URDF has an inertia (xx, xy, xz, yy, yz, zz), or its
+    /// diagonal.
     #[arg(long, value_name = "NAME=VALUE")]
     pub(crate) set: Vec<String>,
     /// The step, s; negative to go back in time [default: its own]
-    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    #[arg(long, value_name = "H", allow_hyphen_values = true)]
     pub(crate) step: Option<f64>,
     /// How long to run, s [default: its own]
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    ///
+    /// Where steps do not add up to it, the last one is shorter; an ensemble ends after the step that is nearest.
+    #[arg(long, value_name = "T", allow_hyphen_values = true)]
     pub(crate) duration: Option<f64>,
     /// The directory to write to; `-` writes the table to standard output
     #[arg(long, value_name = "DIR", default_value = "out", allow_hyphen_values = true)]
@@ -103,7 +115,7 @@ impl ChosenRun {
         let asked = MotionArguments { step, duration, ..self.motion.clone() };
         // what a file says of a scheme has its default beside a method of the command line that takes none
         check_scheme(scheme.method, self.scheme.order, self.scheme.retraction)?;
-        Ok((Motion::of(changes, &scheme, Retraction::Exponential, &asked, console)?, run))
+        Ok((Motion::of(changes, &scheme, false, &asked, console)?, run))
     }
 
     /// The system, by its argument or the file.
@@ -130,34 +142,41 @@ impl ChosenRun {
 
 impl<'e> Motion<'e> {
     /// Builds the run that the arguments describe; notes if the steps do not add up to the duration, and all that
-    /// should be known of the setup.
+    /// should be known of the setup. Of an ensemble all steps are of one length.
     ///
     /// # Errors
     /// If there is no such run.
     pub(crate) fn of(
         mut changes: Changes<'e>,
         scheme: &SchemeArguments,
-        usual: Retraction,
+        is_ensemble: bool,
         asked: &MotionArguments,
         console: &mut Console<'_>,
     ) -> Result<Self, Error> {
         let entry = changes.entry;
         changes.apply(&asked.set)?;
         let step = asked.step.unwrap_or(entry.step);
-        let (steps, note) = steps(step, asked.duration.unwrap_or(entry.duration))?;
+        let duration = asked.duration.unwrap_or(entry.duration);
+        let (mut steps, mut rest) = Job::steps_to(duration, step)?;
+        let mut note = None;
+        if rest != 0.0 {
+            let end = if is_ensemble {
+                steps += u64::from(rest >= 0.5 * step.abs());
+                rest = 0.0;
+                format!("the run ends at {} s", steps as f64 * step)
+            } else {
+                format!("the last step is {} s", rounded(rest))
+            };
+            note = Some(format!("{duration} s are not a whole number of steps of {step} s: {end}"));
+        }
         let method = scheme.method.unwrap_or(Method::Standard);
-        let retraction = scheme.retraction.unwrap_or_else(|| default_retraction(entry, usual));
-        let job = Job { method, retraction, order: scheme.order.unwrap_or(Order::Two), step, steps };
+        let usual = if is_ensemble { Retraction::Cayley } else { Retraction::Exponential };
+        let retraction = scheme.retraction.unwrap_or_else(|| usual.or_first_of(entry));
+        let job = Job { method, retraction, order: scheme.order.unwrap_or(Order::Two), step, steps, rest };
         let (setup, notes) = changes.clone().finish()?;
         note.into_iter().chain(notes).try_for_each(|note| console.note(note))?;
         Ok(Self { entry, changes, setup, job })
     }
-}
-
-/// This retraction, or where there are no steps with it the first one with which there are.
-fn default_retraction(entry: &Entry, usual: Retraction) -> Retraction {
-    let known = Retraction::of(entry);
-    if known.contains(&usual) { usual } else { known.first().copied().unwrap_or(usual) }
 }
 
 /// Checks that what was asked for beside a method means anything to it.
@@ -179,30 +198,4 @@ pub(crate) fn check_scheme(
         return Err(SetupError::new(reason));
     }
     Ok(())
-}
-
-/// Counts the steps to take, with a note if they do not add up to the duration asked for.
-fn steps(step: f64, duration: f64) -> Result<(u64, Option<String>), SetupError> {
-    /// Beyond this, step numbers are no longer exact in f64, and no run would finish.
-    const MOST: f64 = 9e15;
-
-    if !(step.is_finite() && step != 0.0) {
-        return Err(SetupError::new(format!("`--step` must be finite and not zero, got {step}")));
-    }
-    let wrong = |reason: String| Err(SetupError::new(reason));
-    if !(duration.is_finite() && duration >= 0.0) {
-        return wrong(format!(
-            "`--duration` must be finite and not negative, got {duration} (a negative `--step` goes back in time)"
-        ));
-    }
-    let exact = duration / step.abs();
-    if exact > MOST {
-        return wrong(format!("{duration} s in steps of {step} s are {exact:.1e} steps: too many"));
-    }
-    let steps = exact.round();
-    let note = ((exact - steps).abs() > 1e-6).then(|| {
-        let end = steps * step;
-        format!("{duration} s are not a whole number of steps of {step} s: the run ends at {end} s")
-    });
-    Ok((steps as u64, note))
 }

@@ -10,7 +10,7 @@ use super::console::Console;
 use super::console::OutputMode;
 use super::open::open;
 use crate::error::{Error, FileError, SetupError};
-use crate::files::{FileOrigin, OverwriteGuard, PlannedFile, is_stdout, read};
+use crate::files::{FileOrigin, OverwriteGuard, PlannedFile, is_stdout, path::read_file, read};
 use crate::page::Page;
 
 /// The arguments of `play`.
@@ -55,10 +55,13 @@ pub(crate) fn play(arguments: &PlayArguments, stdout: &mut dyn Write) -> Result<
     Ok(())
 }
 
+/// No data that a browser shows are longer.
+const MOST: u64 = 1 << 30;
+
 /// Describes the origin of the page: the files by their names and checksums.
 fn origin(files: &[PathBuf]) -> Result<FileOrigin, FileError> {
     let described = files.iter().map(|path| {
-        let content = std::fs::read(path).map_err(FileError::read(path))?;
+        let content = read_file(path, MOST).map_err(FileError::read(path))?;
         let mut file = json!({ "name": path.file_name().unwrap_or_default().to_string_lossy() });
         file["crc32"] = format!("{:08x}", crc32fast::hash(&content)).into();
         if let Some((made, _)) = read(path)? {

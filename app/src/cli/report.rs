@@ -8,7 +8,8 @@ use crate::catalogue::{Entry, casimir};
 use crate::files::{Provenance, invariants};
 use crate::record::{ConservationReport, DriftStats};
 use crate::setup::{Job, Method, Setup, standard};
-use crate::units::{figures, grouped, magnitude, with_unit, with_unit_behind};
+use crate::simulate::ErrorEstimate;
+use crate::units::{figures, grouped, magnitude, rounded, with_unit, with_unit_behind};
 
 /// One run's column.
 #[derive(Clone, Debug)]
@@ -19,6 +20,10 @@ pub struct RunSummary {
     pub report: RunReport,
     /// The conservation of energy and Casimirs.
     pub conservation: ConservationReport,
+    /// The estimated error of the trajectory; none of a run that was interrupted.
+    pub estimate: Option<ErrorEstimate>,
+    /// Whether its energy is an invariant.
+    pub conserves_energy: bool,
     /// How far the configuration was off its group, at most.
     pub off_group: f64,
     /// The time of a step without an observer, ns; none if there were no steps.
@@ -30,17 +35,48 @@ impl RunSummary {
     pub fn conclusions(&self, entry: &Entry) -> Vec<String> {
         let mut lines = Vec::new();
         let energy = &self.conservation.energy;
-        lines.push(if entry.conserves_energy() {
-            format!("energy: {}", describe(energy, self.conservation.steps, entry.energy_unit))
+        lines.push(if self.conserves_energy {
+            format!("energy: {}", self.describe(energy, entry.energy_unit))
         } else if entry.description.autonomous {
             "energy: conserved only while the controls are the same".to_owned()
         } else {
             "energy: not conserved by this system".to_owned()
         });
         for ((name, unit), stats) in casimir::names(entry).zip(&self.conservation.casimirs) {
-            lines.push(format!("{name}: {}", describe(stats, self.conservation.steps, unit)));
+            lines.push(format!("{name}: {}", self.describe(stats, unit)));
         }
+        lines.extend(self.estimate.as_ref().map(ErrorEstimate::words));
         lines
+    }
+
+    /// Describes how well a quantity was conserved.
+    fn describe(&self, stats: &DriftStats, unit: &str) -> String {
+        let steps = self.conservation.steps;
+        // roundoff of every step, adding up like the steps of a walk, and some factor for the few operations of each
+        let roundoff =
+            16.0 * f64::EPSILON * (steps.max(1) as f64).sqrt() * stats.initial.abs().max(stats.error);
+        let (least, greatest) = stats.range;
+        if stats.error.is_nan() {
+            "became not a number".to_owned()
+        } else if stats.error <= roundoff {
+            "kept to roundoff".to_owned()
+        } else if steps < 100 {
+            format!("kept to {}; too few steps for a trend", with_unit_behind(stats.error, unit))
+        } else if stats.drift() < 0.5 {
+            let range = format!("from {} to {}", magnitude(least), with_unit_behind(greatest, unit));
+            // of a method that promises nothing a short run tells nothing of a longer one
+            match self.job.method.keeps_structure() {
+                true => format!("bounded: its error stays {range} and does not grow"),
+                false => {
+                    format!("its error is {range} in this run; the method does not keep it from growing")
+                }
+            }
+        } else {
+            format!(
+                "drifts: by {} per second, or swings more slowly than this run shows",
+                with_unit_behind(stats.slope(), unit)
+            )
+        }
     }
 
     /// All of it as a JSON object.
@@ -53,34 +89,10 @@ impl RunSummary {
         object.insert("max_iterations".to_owned(), json!(self.report.max_iterations));
         object.insert("max_residual".to_owned(), json!(self.report.max_residual));
         object.insert("off_group".to_owned(), json!(self.off_group));
+        object.insert("error_estimate".to_owned(), json!(self.estimate));
         object.insert("invariants".to_owned(), invariants(entry, &self.conservation));
         object.insert("conclusions".to_owned(), json!(self.conclusions(entry)));
         Value::Object(object)
-    }
-}
-
-/// Describes how well a quantity was conserved.
-fn describe(stats: &DriftStats, steps: u64, unit: &str) -> String {
-    // roundoff of every step, adding up like the steps of a walk, and some factor for the few operations of each
-    let roundoff = 16.0 * f64::EPSILON * (steps.max(1) as f64).sqrt() * stats.initial.abs().max(stats.error);
-    let (least, greatest) = stats.range;
-    if stats.error.is_nan() {
-        "became not a number".to_owned()
-    } else if stats.error <= roundoff {
-        "kept to roundoff".to_owned()
-    } else if steps < 100 {
-        format!("kept to {}; too few steps for a trend", with_unit_behind(stats.error, unit))
-    } else if stats.drift() < 0.5 {
-        format!(
-            "bounded: its error stays from {} to {} and does not grow",
-            magnitude(least),
-            with_unit_behind(greatest, unit)
-        )
-    } else {
-        format!(
-            "drifts: by {} per second, or swings more slowly than this run shows",
-            with_unit_behind(stats.slope(), unit)
-        )
     }
 }
 
@@ -101,11 +113,14 @@ pub fn table(entry: &Entry, runs: &[RunSummary]) -> String {
     });
     row("order", &|run| run.job.order_of_step(entry).to_string());
     row("steps", &|run| grouped(run.conservation.steps));
+    if runs.iter().any(|run| run.job.rest != 0.0) {
+        row("last step, s", &|run| rounded(if run.job.rest == 0.0 { run.job.step } else { run.job.rest }));
+    }
     row("time per step, ns", &|run| run.time_per_step.map_or("–".to_owned(), |time| format!("{time:.0}")));
     row("iterations per step", &|run| format!("{:.2}", run.report.iterations_per_step()));
     let start = |run: &RunSummary| figures(run.conservation.energy.initial + 0.0, 4);
     row(&of("energy at the start"), &start);
-    let error = match entry.conserves_energy() {
+    let error = match runs.iter().all(|run| run.conserves_energy) {
         true => of("largest energy error"),
         // forces act, or time or controls have a part in it
         false => of("largest change of energy") + " (it is not conserved)",

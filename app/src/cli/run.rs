@@ -14,7 +14,7 @@ use super::{Command, ensemble, play, scan};
 use crate::catalogue::{Catalogue, Entry};
 use crate::error::{Error, SetupError};
 use crate::files::{self, FileOrigin, is_stdout};
-use crate::setup::Format;
+use crate::setup::{Column, Format};
 use crate::simulate::time_per_step;
 use crate::units::wrapped;
 
@@ -29,13 +29,21 @@ pub(crate) struct RunArguments {
         value_name = "FILE",
         conflicts_with_all = [
             "system", "config", "retraction", "method", "order", "set", "step", "duration", "every",
-            "watch_every_step", "format", "plot", "scan"
+            "columns", "watch_every_step", "format", "plot", "scan"
         ]
     )]
     pub(crate) again: Option<PathBuf>,
     /// Look at the state after every N-th step, and write it [default: 1]
+    ///
+    /// The last state is written too.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) every: Option<u64>,
+    /// Further columns of the table, behind the others
+    ///
+    /// Velocities belong to the momenta: of a body the angular velocity, rad/s. Attitudes lead from the axes of the body
+    /// to those of space.
+    #[arg(long, value_enum, value_name = "NAMES", value_delimiter = ',')]
+    pub(crate) columns: Vec<Column>,
     /// Look at every step, whatever is written of them
     ///
     /// An error's peak may be as short as one step; a look takes several times as long.
@@ -68,7 +76,7 @@ pub(crate) struct RunArguments {
     #[arg(
         long,
         value_name = "NAME=VALUES",
-        conflicts_with_all = ["plot", "html", "checkpoint", "format", "every", "watch_every_step"]
+        conflicts_with_all = ["plot", "html", "checkpoint", "format", "every", "columns", "watch_every_step"]
     )]
     pub(crate) scan: Vec<String>,
     #[command(flatten)]
@@ -144,8 +152,9 @@ fn described(
     }
     let format = Some(arguments.format.or(config.format).unwrap_or(Format::Csv));
     let RunArguments { plot, watch_every_step: watch, checkpoint_every: pause, .. } = *arguments;
-    let html = arguments.html.clone();
-    let plan = Plan { every, watch, format, plot, html, pause, ..planned(&motion, &arguments.chosen) };
+    let (html, columns) = (arguments.html.clone(), arguments.columns.clone());
+    let plan =
+        Plan { every, columns, watch, format, plot, html, pause, ..planned(&motion, &arguments.chosen) };
     execute(motion.entry, plan, arguments.open, arguments.checkpoint.as_deref(), console)
 }
 
@@ -156,6 +165,7 @@ fn planned(motion: &Motion<'_>, chosen: &ChosenRun) -> Plan {
         setup: motion.setup.clone(),
         job: motion.job,
         every: 1,
+        columns: Vec::new(),
         watch: true,
         format: None,
         plot: false,

@@ -17,8 +17,8 @@ use crate::error::Error;
 use crate::files::{OverwriteGuard, PlannedFile, Provenance, by_name, file_in, invariants, is_stdout, table};
 use crate::setup::Scan;
 use crate::simulate::scan::{self, Outcome, ScanRow};
-use crate::simulate::{stepper, threads};
-use crate::units::{grouped, magnitude, short, with_unit, wrapped};
+use crate::simulate::{Distance, stepper, threads};
+use crate::units::{exact, figures, grouped, magnitude, rounded, with_unit, wrapped};
 
 /// Columns that a terminal has.
 const WIDTH: usize = 80;
@@ -63,12 +63,12 @@ pub(super) fn scan(
     })?;
     let words = console.words();
     write!(words, "{}", shown(entry, &scans, &rows))?;
-    writeln!(
-        words,
-        "{} runs of {} steps in {seconds:.2} s on {threads} threads",
-        grouped(rows.len() as u64),
-        grouped(job.steps)
-    )?;
+    let runs = grouped(rows.len() as u64);
+    let length = match scans.iter().any(|scan| scan.is_step) {
+        true => format!("{} s", exact(job.duration())),
+        false => format!("{} steps", grouped(job.total())),
+    };
+    writeln!(words, "{runs} runs of {length} in {seconds:.2} s on {threads} threads")?;
     console.wrote(&written)?;
     Ok(scan::none_left(&rows)?)
 }
@@ -82,7 +82,7 @@ fn conserved(entry: &Entry) -> Vec<(&'static str, &'static str)> {
 fn shown(entry: &Entry, scans: &[Scan], rows: &[ScanRow]) -> String {
     let mut columns: Vec<(String, Vec<String>)> = Vec::new();
     for (i, scan) in scans.iter().enumerate() {
-        let cells = rows.iter().map(|row| short(row.values[i])).collect();
+        let cells = rows.iter().map(|row| rounded(row.values[i])).collect();
         columns.push((with_unit(&scan.name, scan.unit), cells));
     }
     let of = |name: String, cell: &dyn Fn(&Outcome) -> String| {
@@ -92,6 +92,15 @@ fn shown(entry: &Entry, scans: &[Scan], rows: &[ScanRow]) -> String {
     for (i, (name, unit)) in conserved(entry).into_iter().enumerate() {
         let cell = |outcome: &Outcome| magnitude(outcome.errors().nth(i).unwrap_or(f64::NAN));
         columns.push(of(with_unit(&format!("error of {name}"), unit), &cell));
+    }
+    if scans.iter().any(|scan| scan.is_step) {
+        let cell = |outcome: &Outcome| match &outcome.difference {
+            Some(Distance { distance, .. }) if *distance == 0.0 => "0".to_owned(),
+            Some(difference) => difference.words(),
+            None => "–".to_owned(),
+        };
+        let time = of("time, s".to_owned(), &|outcome| figures(outcome.seconds, 2));
+        columns.splice(scans.len()..scans.len(), [of("end state off by".to_owned(), &cell), time]);
     }
     columns.push(of("iterations".to_owned(), &|outcome| format!("{:.2}", outcome.iterations)));
     columns.push(of("ns/step".to_owned(), &|outcome| format!("{:.0}", outcome.ns_per_step)));
@@ -123,7 +132,9 @@ fn shown(entry: &Entry, scans: &[Scan], rows: &[ScanRow]) -> String {
 fn records(entry: &Entry, scans: &[Scan], rows: &[ScanRow]) -> Vec<Vec<String>> {
     let mut header: Vec<String> = scans.iter().map(|scan| scan.name.clone()).collect();
     header.extend(conserved(entry).into_iter().map(|(name, _)| format!("error of {name}")));
-    header.extend(["iterations per step", "ns per step"].map(str::to_owned));
+    let is_step = scans.iter().any(|scan| scan.is_step);
+    header.extend(is_step.then(|| "difference of end state".to_owned()));
+    header.extend(["seconds", "iterations per step", "ns per step"].map(str::to_owned));
     let columns = entry.columns();
     let ends = &columns[1..columns.len() - 1];
     header.extend(ends.iter().map(|column| format!("end {column}")));
@@ -132,7 +143,9 @@ fn records(entry: &Entry, scans: &[Scan], rows: &[ScanRow]) -> Vec<Vec<String>> 
         let mut record: Vec<String> = row.values.iter().map(|value| format!("{value:?}")).collect();
         match &row.outcome {
             Ok(outcome) => {
-                let numbers = outcome.errors().chain([outcome.iterations, outcome.ns_per_step]);
+                let difference = outcome.difference.as_ref().map(|difference| difference.distance);
+                let costs = [outcome.seconds, outcome.iterations, outcome.ns_per_step];
+                let numbers = outcome.errors().chain(difference).chain(costs);
                 record.extend(numbers.chain(outcome.end.iter().copied()).map(|number| format!("{number:?}")));
                 record.push(String::new());
             }
@@ -154,10 +167,14 @@ fn object(entry: &Entry, scans: &[Scan], row: &ScanRow) -> Value {
     }
     match &row.outcome {
         Ok(outcome) => {
-            let Outcome { conservation, iterations, ns_per_step, end } = outcome;
+            let Outcome { conservation, iterations, seconds, ns_per_step, end, difference, .. } = outcome;
             object["invariants"] = invariants(entry, conservation);
             object["iterations_per_step"] = json!(iterations);
             object["ns_per_step"] = json!(ns_per_step);
+            object["seconds"] = json!(seconds);
+            if let Some(difference) = difference {
+                object["difference"] = json!(difference);
+            }
             object["end"] = by_name(entry.description.state, end).into();
         }
         Err(reason) => object["failure"] = json!(reason),

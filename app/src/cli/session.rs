@@ -13,7 +13,7 @@ use super::console::Console;
 use super::interrupt;
 use super::progress::Progress;
 use super::report::RunSummary;
-use crate::catalogue::{Catalogue, Entry};
+use crate::catalogue::{Catalogue, ControlLaw, Entry};
 use crate::error::{Error, FileError, SetupError};
 use crate::files::{
     CheckpointStore, NewFile, OverwriteGuard, PlannedFile, Provenance, Status, TrajectoryWriter, Written,
@@ -22,8 +22,10 @@ use crate::files::{
 use crate::page::{PageHeading, page};
 use crate::picture::{Kind, run_figure};
 use crate::record::{Curves, PageRecorder, Recorders};
-use crate::setup::{Format, Job, Setup};
-use crate::simulate::{Checkpoint, Sample, simulate};
+use crate::setup::{Column, Format, Job, Setup};
+use crate::simulate::{
+    Checkpoint, ErrorEstimate, Sample, conserves_energy, error_estimate, simulate, slowed,
+};
 
 /// Reading the clock costs more than a step: it is read once in this many.
 const INTERVAL: u64 = 1024;
@@ -37,8 +39,10 @@ pub struct Plan {
     pub setup: Setup,
     /// Scheme, step and number of steps.
     pub job: Job,
-    /// Steps between two rows.
+    /// Steps between two rows; the last state has one too.
     pub every: u64,
+    /// Further columns of the trajectory.
+    pub columns: Vec<Column>,
     /// Whether every step is looked at, whatever is written.
     pub watch: bool,
     /// The format of the trajectory; none writes none.
@@ -62,7 +66,15 @@ impl Plan {
     pub fn provenance(&self, entry: &Entry) -> Provenance {
         // where every step is written, every step is looked at
         let watch = self.watch && self.every != 1;
-        Provenance { watch, ..Provenance::of_run(entry, &self.setup, &self.job, self.every) }
+        let columns = self.columns.clone();
+        Provenance { watch, columns, ..Provenance::of_run(entry, &self.setup, &self.job, self.every) }
+    }
+
+    /// Names the columns of the trajectory.
+    fn columns(&self, entry: &Entry) -> Result<Vec<String>, SetupError> {
+        let further = self.columns.iter().map(|column| column.names(entry));
+        let further = further.collect::<Result<Vec<_>, _>>()?;
+        Ok([entry.columns(), further.concat()].concat())
     }
 }
 
@@ -94,6 +106,9 @@ pub struct Session<'e> {
     recorders: Recorders,
     rows: Rows,
     from: Option<Checkpoint>,
+    law: Option<ControlLaw>,
+    /// The last sample's state.
+    end: Vec<f64>,
 }
 
 /// The destination of the trajectory's rows.
@@ -132,8 +147,9 @@ impl<'e> Session<'e> {
     pub fn begin(entry: &'e Entry, plan: Plan, checkpoint: Option<&Path>) -> Result<Self, Error> {
         // before there is a file that a signal could leave behind
         interrupt::listen();
+        let columns = plan.columns(entry)?;
         let (files, guard) = claimed(entry, &plan, checkpoint)?;
-        let Job { step, steps, .. } = plan.job;
+        let (step, steps) = (plan.job.step, plan.job.total());
         let recorders = Recorders {
             curves: plan.plot.then(|| Curves::new(entry, (step, steps))),
             page: plan.html.is_some().then(|| PageRecorder::new(entry, steps)),
@@ -142,15 +158,16 @@ impl<'e> Session<'e> {
         let rows = match (checkpoint, &files.trajectory) {
             (Some(path), _) => {
                 let saved = saved(entry, &plan, &recorders, None);
-                Rows::Checkpoint(CheckpointStore::begin(path, entry.columns(), &saved)?)
+                Rows::Checkpoint(CheckpointStore::begin(path, columns, &saved)?)
             }
             (None, Some((format, path))) => {
-                Rows::File(TrajectoryWriter::create(path, *format, entry, guard.origin())?)
+                Rows::File(TrajectoryWriter::create(path, *format, columns, guard.origin())?)
             }
             (None, None) => Rows::Discarded,
         };
         let system = entry.system(&plan.setup.parameters);
-        Ok(Self { entry, system, plan, files, guard, recorders, rows, from: None })
+        let (law, end) = (entry.law(&plan.setup), plan.setup.state.clone());
+        Ok(Self { entry, system, plan, files, guard, recorders, rows, from: None, law, end })
     }
 
     /// Resumes a run from its checkpoint.
@@ -171,7 +188,9 @@ impl<'e> Session<'e> {
         }
         let (files, guard) = claimed(entry, &plan, Some(path))?;
         let system = entry.system(&plan.setup.parameters);
-        Ok(Self { entry, system, plan, files, guard, recorders, rows: Rows::Checkpoint(store), from })
+        let (law, end) = (entry.law(&plan.setup), plan.setup.state.clone());
+        let rows = Rows::Checkpoint(store);
+        Ok(Self { entry, system, plan, files, guard, recorders, rows, from, law, end })
     }
 
     /// Tells whether the trajectory goes to standard output.
@@ -184,7 +203,7 @@ impl<'e> Session<'e> {
     /// # Errors
     /// If a step cannot be taken, or a file not be written.
     pub fn run(mut self, console: &Console<'_>) -> Result<FinishedRun<'e>, Error> {
-        let mut progress = console.progress(&self.entry.name, self.plan.job.steps, "step");
+        let mut progress = console.progress(&self.entry.name, self.plan.job.total(), "step");
         let report = self.simulate(&mut progress)?;
         drop(progress);
         self.write(report)
@@ -212,7 +231,10 @@ impl<'e> Session<'e> {
             }
             let pushed = if is_new { self.push(sample) } else { Ok(()) };
             is_new = true;
-            let stop = interrupt::requested() && sample.index < job.steps;
+            let stop = interrupt::requested() && sample.index < job.total();
+            if sample.index == job.total() {
+                self.end.copy_from_slice(sample.state);
+            }
             let result = pushed.and_then(|()| {
                 if stop || (is_due && saved.elapsed() > pause) {
                     self.save(sample)?;
@@ -237,8 +259,17 @@ impl<'e> Session<'e> {
 
     fn push(&mut self, sample: &Sample<'_>) -> Result<(), Error> {
         self.recorders.push(self.entry, &*self.system, sample);
-        if sample.index.is_multiple_of(self.plan.every) {
-            let row = || [&[sample.time], sample.state, &[sample.energy]].concat();
+        let &Sample { index, time, state, energy, .. } = sample;
+        if index.is_multiple_of(self.plan.every) || index == self.plan.job.total() {
+            let row = || {
+                let mut row = [&[time], state, &[energy]].concat();
+                let law = self.law.as_ref().filter(|_| !self.plan.columns.is_empty());
+                let control = law.map(|law| self.entry.chosen(law, (state, time))).unwrap_or_default();
+                for column in &self.plan.columns {
+                    column.push((self.entry, &*self.system), (state, time, &control), &mut row);
+                }
+                row
+            };
             match &mut self.rows {
                 Rows::Discarded => {}
                 Rows::File(trajectory) => trajectory.row(&row())?,
@@ -258,11 +289,11 @@ impl<'e> Session<'e> {
 
     /// Writes the trajectory, the pictures and the page.
     fn write(self, report: RunReport) -> Result<FinishedRun<'e>, Error> {
-        let Self { entry, plan, files, guard, mut recorders, rows, .. } = self;
+        let Self { entry, plan, files, guard, mut recorders, rows, end, .. } = self;
         let Some(conservation) = recorders.conservation.take() else {
             return Err(SetupError::new("the run has no samples").into());
         };
-        let interrupted = (conservation.steps < plan.job.steps).then_some(conservation.steps);
+        let interrupted = (conservation.steps < plan.job.total()).then_some(conservation.steps);
         let mut contents = Vec::new();
         let mut store = None;
         match (rows, &files.trajectory) {
@@ -270,7 +301,8 @@ impl<'e> Session<'e> {
                 contents.push(trajectory.finish(entry, &conservation, interrupted)?)
             }
             (Rows::Checkpoint(mut rows), Some((format, path))) => {
-                let mut trajectory = TrajectoryWriter::create(path, *format, entry, guard.origin())?;
+                let columns = plan.columns(entry)?;
+                let mut trajectory = TrajectoryWriter::create(path, *format, columns, guard.origin())?;
                 rows.replay(|row| trajectory.row(row))?;
                 contents.push(trajectory.finish(entry, &conservation, interrupted)?);
                 store = Some(rows);
@@ -279,14 +311,29 @@ impl<'e> Session<'e> {
         }
         contents.extend(shown(entry, &plan, &recorders, &files)?);
         let status = interrupted.map_or(Status::Complete, Status::Interrupted);
+        let estimate = match interrupted {
+            None => error_estimate(entry, &plan.setup, &plan.job)?,
+            Some(_) => None,
+        };
+        let guard = guard.with_error_estimate(estimate.as_ref().map(ErrorEstimate::words));
         let Written { files: written, kept } = guard.put(contents, status)?;
         if let (Some(store), None) = (store, interrupted) {
             store.remove();
         }
-        let notes =
-            kept.iter().map(|path| format!("{} holds the whole run, and stays", path.display())).collect();
+        let slowed = slowed(entry, &plan.setup, &plan.job, (conservation.time, &end));
+        let kept = kept.iter().map(|path| format!("{} holds the whole run, and stays", path.display()));
+        let notes = kept.chain(slowed).collect();
         let off_group = recorders.off_group;
-        let summary = RunSummary { job: plan.job, report, conservation, off_group, time_per_step: None };
+        let conserves_energy = conserves_energy(entry, &plan.setup, (conservation.time, &end));
+        let summary = RunSummary {
+            job: plan.job,
+            report,
+            conservation,
+            estimate,
+            conserves_energy,
+            off_group,
+            time_per_step: None,
+        };
         Ok(FinishedRun { entry, plan, summary, written, interrupted: interrupted.is_some(), notes })
     }
 }
@@ -341,7 +388,7 @@ fn shown(
     let mut shown = Vec::new();
     if let (Some(recorder), Some(path)) = (&recorders.page, &plan.html) {
         let (title, parameters, law) = (job.title(entry), &setup.parameters[..], entry.law(setup));
-        let heading = PageHeading { title, parameters, step: job.step, steps: job.steps, law };
+        let heading = PageHeading { title, parameters, step: job.step, steps: job.total(), law };
         let html = page(recorder, entry, &heading).to_html();
         shown.push((path.clone(), NewFile::with(path, html.as_bytes())?));
     }
@@ -379,6 +426,7 @@ mod tests {
             order: Order::Two,
             step: 0.01,
             steps: 10,
+            rest: 0.0,
         };
         let recorders = Recorders {
             curves: Some(Curves::new(entry, (0.01, 10))),
@@ -391,6 +439,7 @@ mod tests {
             setup,
             job,
             every: 1,
+            columns: Vec::new(),
             watch: true,
             format: None,
             plot: true,

@@ -12,14 +12,17 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::NewFile;
-use super::path::followed;
+use super::path::{followed, read_file};
 use super::table::{table, write_row};
 use crate::error::{Error, FileError, SetupError};
 
 /// The beginning of checkpoint files; the number is the version of the format.
-const MAGIC: &[u8] = b"coadjoint checkpoint 3\n";
+const MAGIC: &[u8] = b"coadjoint checkpoint 4\n";
 /// The beginning of those of all versions.
 const ANY: &[u8] = b"coadjoint checkpoint ";
+
+/// No checkpoint is longer.
+const MOST: u64 = 1 << 30;
 
 /// The files of a run that can be resumed, held by this process alone.
 #[derive(Debug)]
@@ -62,7 +65,7 @@ impl CheckpointStore {
         let name = path.display();
         let taken = |reason: String| Err(SetupError::new(reason).into());
         if fs::symlink_metadata(path).is_ok() {
-            return taken(match fs::read(path).is_ok_and(|content| content.starts_with(ANY)) {
+            return taken(match read_file(path, MOST).is_ok_and(|content| content.starts_with(ANY)) {
                 true => format!("{name} exists already: `resume {name}` resumes it"),
                 false => format!("{name} exists already, and is no checkpoint"),
             });
@@ -176,8 +179,10 @@ impl CheckpointStore {
     /// Removes all files: the run is complete, and its output written.
     pub(crate) fn remove(self) {
         // the checkpoint first: rows alone are never taken for a run; what remains is harmless
-        let _ = fs::remove_file(&self.path);
-        let _ = fs::remove_file(rows_of(&self.path));
+        // a checkpoint that stays needs its rows
+        if fs::remove_file(&self.path).is_ok() {
+            let _ = fs::remove_file(rows_of(&self.path));
+        }
     }
 }
 
@@ -201,7 +206,7 @@ fn locked(checkpoint: &Path, rows: &File) -> Result<(), Error> {
 }
 
 fn load<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<(Mark, T), FileError> {
-    let content = fs::read(path).map_err(FileError::read(path))?;
+    let content = read_file(path, MOST).map_err(FileError::read(path))?;
     let rest = content
         .strip_prefix(MAGIC)
         .ok_or_else(|| FileError::damaged(path, "is not a checkpoint of this version of coadjoint"))?;

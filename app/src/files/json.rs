@@ -2,7 +2,7 @@
 //!
 //! ```json
 //! {
-//!   "program": "coadjoint", "version": "0.2.0",
+//!   "program": "coadjoint", "version": "0.2.0", "coadjoint": "0.2.0",
 //!   "system": "heavy_top", "retraction": "exponential", "method": "standard", "order": 2, "step": 0.01, "steps": 6000, "every": 1,
 //!   "parameters": {"inertia": [1.0, 10.0, 100.0], "weight": 1.0, "chi": [0.0, 0.0, 1.0]},
 //!   "state": {"attitude": [1.0, 0.0, 0.0, 0.0], …},
@@ -34,12 +34,12 @@ pub(super) struct Json {
 }
 
 impl Json {
-    pub(super) fn new(mut file: NewFile, entry: &Entry, origin: &FileOrigin) -> io::Result<Self> {
+    pub(super) fn new(mut file: NewFile, columns: &[String], origin: &FileOrigin) -> io::Result<Self> {
         writeln!(file, "{{")?;
         for (name, value) in origin.fields() {
             writeln!(file, "  {}: {value},", json!(name))?;
         }
-        writeln!(file, "  \"columns\": {},", json!(entry.columns()))?;
+        writeln!(file, "  \"columns\": {},", json!(columns))?;
         write!(file, "  \"rows\": [")?;
         Ok(Self { file, rows: 0 })
     }

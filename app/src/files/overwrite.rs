@@ -1,6 +1,7 @@
 //! Nothing of others is replaced unasked: all files of a run are looked at before it starts.
 
-use std::path::{Path, PathBuf};
+use std::io;
+use std::path::{MAIN_SEPARATOR, Path, PathBuf};
 
 use super::path::{is_special, is_stdout, resolved};
 use super::run_json::{Beside, FileOrigin, RunJson, Status};
@@ -12,6 +13,7 @@ use crate::error::FileError;
 pub struct OverwriteGuard {
     origin: FileOrigin,
     force: bool,
+    error_estimate: Option<String>,
 }
 
 /// A file of a command, and what it is to it.
@@ -36,7 +38,12 @@ pub(crate) struct Written {
 impl OverwriteGuard {
     /// Guards files of this origin.
     pub fn new(origin: FileOrigin, force: bool) -> Self {
-        Self { origin, force }
+        Self { origin, force, error_estimate: None }
+    }
+
+    /// Says in words beside the files how large the error of the trajectory is.
+    pub(crate) fn with_error_estimate(self, words: Option<String>) -> Self {
+        Self { error_estimate: words, ..self }
     }
 
     /// Tells what makes the files.
@@ -74,6 +81,10 @@ impl OverwriteGuard {
     /// # Errors
     /// If any of that is not so.
     pub fn check_all(&self, files: &[PlannedFile]) -> Result<(), FileError> {
+        let is_directory = |file: &&PlannedFile| file.path.to_string_lossy().ends_with(['/', MAIN_SEPARATOR]);
+        if let Some(PlannedFile { path, .. }) = files.iter().find(is_directory) {
+            return Err(FileError::write(path)(io::ErrorKind::IsADirectory.into()));
+        }
         let places: Vec<PathBuf> = files.iter().map(|file| resolved(&file.path)).collect();
         for (i, file) in files.iter().enumerate() {
             // into a device as much goes as one likes
@@ -147,6 +158,9 @@ impl OverwriteGuard {
                 Beside::Ours(found) if found.origin == self.origin => found,
                 _ => RunJson::of(self.origin.clone()),
             };
+            if status == Status::Complete {
+                json.error_estimate.clone_from(&self.error_estimate);
+            }
             if status != Status::Begun || !json.has(path) || !path.exists() {
                 json.set(path, status);
                 NewFile::with(&beside, json.text().as_bytes())?.finish(true)?;

@@ -17,7 +17,6 @@ use serde_json::{Map, Value};
 use super::NewFile;
 use super::run_json::FileOrigin;
 use super::table::Rows;
-use crate::catalogue::Entry;
 
 /// Rows that are kept in memory before they are written.
 const GROUP: usize = 1 << 14;
@@ -28,8 +27,7 @@ pub(super) struct Parquet {
 }
 
 impl Parquet {
-    pub(super) fn new(file: NewFile, entry: &Entry, origin: &FileOrigin) -> io::Result<Self> {
-        let names = entry.columns();
+    pub(super) fn new(file: NewFile, names: &[String], origin: &FileOrigin) -> io::Result<Self> {
         let writer = || -> Result<_, ParquetError> {
             let fields = names.iter().map(|name| {
                 let field = Type::primitive_type_builder(name, Physical::DOUBLE);

@@ -2,8 +2,7 @@
 //! files of different runs are told apart.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
-use std::io::{self, Read};
+use std::io;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
@@ -11,22 +10,21 @@ use coadjoint::system::Quantity;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
-use super::path::{followed, is_special, is_stdout};
-use crate::catalogue::{Entry, unit};
+use super::path::{followed, is_special, is_stdout, read_file};
+use crate::catalogue::{Entry, program, unit};
 use crate::error::{FileError, SetupError};
-use crate::setup::{Classical, Job, Method, Order, Retraction, Setup, assignments};
+use crate::setup::{Classical, Column, Job, Method, Order, Retraction, Setup, assignments};
 use crate::simulate::simulate;
-
-/// The name of the program in what it writes.
-const PROGRAM: &str = "coadjoint";
 
 /// The origin of a run's files.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Provenance {
-    /// Always `coadjoint`.
+    /// The program's name.
     pub program: String,
     /// The program's version.
     pub version: String,
+    /// That of coadjoint.
+    pub coadjoint: String,
     /// The system's name.
     pub system: String,
     /// A checksum of the first steps' bits: of what the system computes, whatever it is called.
@@ -51,8 +49,13 @@ pub struct Provenance {
     pub step: f64,
     /// The number of steps.
     pub steps: u64,
+    /// How long the run is, s; where whole steps do not lead there, the last one is shorter.
+    pub duration: f64,
     /// Steps between two rows.
     pub every: u64,
+    /// Further columns of its table.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub columns: Vec<Column>,
     /// Whether errors are followed at every step between them.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub watch: bool,
@@ -91,8 +94,9 @@ impl Provenance {
         let units = names.into_iter().flatten().map(|quantity| (quantity.name, unit(quantity)));
         let units = units.filter(|(_, unit)| !unit.is_empty());
         Self {
-            program: PROGRAM.to_owned(),
-            version: env!("CARGO_PKG_VERSION").to_owned(),
+            program: program()[0].to_owned(),
+            version: program()[1].to_owned(),
+            coadjoint: COADJOINT.to_owned(),
             system: entry.name.clone(),
             digest: format!("{:08x}", digest(entry, setup, job)),
             parameters: by_name(description.parameters, &setup.parameters),
@@ -103,8 +107,10 @@ impl Provenance {
             retraction: classical.is_none().then_some(job.retraction),
             order: classical.map_or(job.order.number(), Classical::order),
             step: job.step,
-            steps: job.steps,
+            steps: job.total(),
+            duration: job.duration(),
             every,
+            columns: Vec::new(),
             watch: false,
             ensemble: None,
             scan: Vec::new(),
@@ -132,7 +138,7 @@ impl Provenance {
             option("order", &self.order);
         }
         option("step", &self.step);
-        option("duration", &(self.steps as f64 * self.step.abs()));
+        option("duration", &self.duration);
         if let Some(Members { members, spread, seed, quantity }) = &self.ensemble {
             option("members", members);
             option("seed", seed);
@@ -141,6 +147,9 @@ impl Provenance {
         }
         if self.every != 1 {
             option("every", &self.every);
+        }
+        if !self.columns.is_empty() {
+            option("columns", &self.columns.iter().map(|column| column.name()).collect::<Vec<_>>().join(","));
         }
         self.scan.iter().for_each(|scan| option("scan", scan));
         self.assignments.iter().for_each(|assignment| option("set", assignment));
@@ -181,7 +190,8 @@ impl Provenance {
         if !self.scan.is_empty() {
             stem += "-scan";
         }
-        let usual = Job { step: entry.step, steps: usual_steps(entry), ..*job };
+        let (steps, rest) = Job::steps_to(entry.duration, entry.step).unwrap_or_default();
+        let usual = Job { step: entry.step, steps, rest, ..*job };
         let every = if self.ensemble.is_some() { Members::every(usual.steps) } else { 1 };
         let usual =
             Self { ensemble: self.ensemble.clone(), ..Self::of_run(entry, &entry.example, &usual, every) };
@@ -211,16 +221,11 @@ impl Members {
     }
 }
 
-/// The number of steps of the system's example.
-fn usual_steps(entry: &Entry) -> u64 {
-    (entry.duration / entry.step.abs()).round() as u64
-}
-
 /// A checksum of the bits of three steps: of states, energies and Casimirs. A system with another potential has another
 /// one, whatever it is called and wherever its source is.
 pub(crate) fn digest(entry: &Entry, setup: &Setup, job: &Job) -> u32 {
     let mut hasher = crc32fast::Hasher::new();
-    let job = Job { steps: 3, ..*job };
+    let job = Job { steps: 3, rest: 0.0, ..*job };
     // where a step cannot be taken, what was before it counts: the run itself tells of it
     let _ = simulate(entry, setup, &job, None, &|index| index + 1, &mut |sample| {
         for number in sample.state.iter().chain(sample.casimirs).chain([&sample.energy]) {
@@ -249,8 +254,9 @@ pub struct FileOrigin(Map<String, Value>);
 impl FileOrigin {
     /// Describes a command, as it can be typed again behind the program's name: `figures 6.2`.
     pub fn of_command(command: &str) -> Self {
-        let origin = Self(Map::new()).with("program", PROGRAM.into());
-        origin.with("version", env!("CARGO_PKG_VERSION").into()).with("command", command.into())
+        let [program, version] = program();
+        let origin = Self(Map::new()).with("program", program.into()).with("version", version.into());
+        origin.with("coadjoint", COADJOINT.into()).with("command", command.into())
     }
 
     /// Adds one more thing to know of it.
@@ -291,15 +297,13 @@ impl FileOrigin {
     /// If they have other digits.
     pub(crate) fn check_digits(&self, entry: &Entry, setup: &Setup, job: &Job) -> Result<(), SetupError> {
         let text = |name: &str| self.0.get(name).and_then(Value::as_str).unwrap_or_default();
-        let version = text("version");
-        if version == env!("CARGO_PKG_VERSION")
-            && text("digest") == format!("{:08x}", digest(entry, setup, job))
-        {
+        let version = text("coadjoint");
+        if version == COADJOINT && text("digest") == format!("{:08x}", digest(entry, setup, job)) {
             return Ok(());
         }
         let name = &entry.name;
         let reason = format!(
-            "the run was made with version {version} of the program and steps of `{name}` whose digits differ from those \
+            "the run was made with version {version} of coadjoint and steps of `{name}` whose digits differ from those \
              taken here"
         );
         Err(SetupError::new(reason))
@@ -335,6 +339,9 @@ pub(crate) struct RunJson {
     pub(super) origin: FileOrigin,
     /// For each file `complete`, or how much of the run it holds.
     files: BTreeMap<String, String>,
+    /// How large the error of its trajectory is, in words.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) error_estimate: Option<String>,
 }
 
 /// The content of the place of a file's `NAME.run.json`.
@@ -346,13 +353,19 @@ pub(super) enum Beside {
     Ours(RunJson),
 }
 
+/// The version whose steps runs take.
+const COADJOINT: &str = env!("CARGO_PKG_VERSION");
+
+/// No description of a run is longer.
+const MOST: u64 = 1 << 24;
+
 /// The status of whole files.
 const COMPLETE: &str = "complete";
 
 impl RunJson {
     /// Begins one of no files yet.
     pub(super) fn of(origin: FileOrigin) -> Self {
-        Self { origin, files: BTreeMap::new() }
+        Self { origin, files: BTreeMap::new(), error_estimate: None }
     }
 
     /// Reads what stands beside a file, and tells where that is.
@@ -360,26 +373,23 @@ impl RunJson {
     /// # Errors
     /// If it cannot be read.
     pub(super) fn beside(path: &Path) -> Result<(PathBuf, Beside), FileError> {
-        /// No description of a run is longer.
-        const MOST: u64 = 1 << 24;
         let place = followed(path).unwrap_or_else(|_| path.to_owned()).with_extension("run.json");
         if is_stdout(path) || is_special(path) {
             return Ok((place, Beside::Nothing));
         }
-        let mut text = Vec::new();
-        match File::open(&place).and_then(|file| file.take(MOST).read_to_end(&mut text)) {
-            Ok(_) => {}
+        let text = match read_file(&place, MOST) {
+            Ok(text) => text,
             Err(error) if [io::ErrorKind::NotFound, io::ErrorKind::NotADirectory].contains(&error.kind()) => {
                 return Ok((place, Beside::Nothing));
             }
             Err(source) => return Err(FileError::read(&place)(source)),
-        }
+        };
         Ok((place, Self::parse(&text).map_or(Beside::Foreign, Beside::Ours)))
     }
 
     fn parse(text: &[u8]) -> Option<Self> {
         let found: Self = serde_json::from_slice(text).ok()?;
-        let is_ours = found.origin.0.get("program").is_some_and(|program| program == PROGRAM);
+        let is_ours = found.origin.0.contains_key("coadjoint");
         (is_ours && !found.origin.command().is_empty()).then_some(found)
     }
 
@@ -426,7 +436,7 @@ fn name(path: &Path) -> String {
 /// If it cannot be read.
 pub(crate) fn read(path: &Path) -> Result<Option<(FileOrigin, bool)>, FileError> {
     if path.to_string_lossy().ends_with(".run.json") {
-        let text = std::fs::read(path).map_err(FileError::read(path))?;
+        let text = read_file(path, MOST).map_err(FileError::read(path))?;
         return Ok(RunJson::parse(&text).map(|found| (found.origin, false)));
     }
     std::fs::metadata(path).map_err(FileError::read(path))?;
@@ -447,7 +457,7 @@ mod tests {
     fn provenance() -> FileOrigin {
         let entry = catalogue().system("heavy_top").expect("it is there");
         let (retraction, order) = (Retraction::Cayley, Order::Four);
-        let job = Job { method: Method::Midpoint, retraction, order, step: 0.1 + 0.2, steps: 9 };
+        let job = Job { method: Method::Midpoint, retraction, order, step: 0.1 + 0.2, steps: 9, rest: 0.0 };
         let mut setup = entry.example.clone();
         setup.parameters[3] = 9.806_650_000_000_001;
         setup.state[4] = -0.0;
@@ -475,6 +485,7 @@ mod tests {
             order: Order::Four,
             step: 0.1 + 0.2,
             steps: 9,
+            rest: 0.0,
         };
         assert!(origin.check_digits(entry, &entry.example, &job).is_err());
         let run = origin.clone();
@@ -503,7 +514,7 @@ mod tests {
     #[test]
     fn files_of_others_say_nothing() {
         let text = RunJson::of(provenance()).text();
-        let stranger = text.replace("\"program\": \"coadjoint\"", "\"program\": \"another\"");
+        let stranger = text.replace("\"coadjoint\": \"", "\"another\": \"");
         assert_ne!(text, stranger);
         for content in
             ["", "{}", "{\"program\": \"coadjoint\", \"files\": {}}", &stranger, &text[..text.len() / 2]]

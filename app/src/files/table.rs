@@ -17,7 +17,7 @@ use crate::setup::Format;
 
 /// A format of trajectories.
 pub(super) trait Rows {
-    /// Adds a row: time, the state's components, energy.
+    /// Adds a row: a number for each column.
     fn row(&mut self, row: &[f64]) -> io::Result<()>;
     /// Ends the file with what is known of the run, by name.
     fn finish(self: Box<Self>, known: &Map<String, Value>) -> io::Result<NewFile>;
@@ -30,23 +30,23 @@ pub(crate) struct TrajectoryWriter {
 }
 
 impl TrajectoryWriter {
-    /// Begins a trajectory; `-` is the standard output.
+    /// Begins a trajectory with these columns; `-` is the standard output.
     ///
     /// # Errors
     /// If the file cannot be created.
     pub(crate) fn create(
         path: &Path,
         format: Format,
-        entry: &Entry,
+        columns: Vec<String>,
         origin: &FileOrigin,
     ) -> Result<Self, Error> {
         let file = NewFile::begin(path)?;
         let rows = || -> io::Result<Box<dyn Rows>> {
             Ok(match format {
-                Format::Csv => Box::new(Csv::new(file, entry)?),
-                Format::Json => Box::new(Json::new(file, entry, origin)?),
+                Format::Csv => Box::new(Csv::new(file, columns)?),
+                Format::Json => Box::new(Json::new(file, &columns, origin)?),
                 #[cfg(feature = "parquet")]
-                Format::Parquet => Box::new(Parquet::new(file, entry, origin)?),
+                Format::Parquet => Box::new(Parquet::new(file, &columns, origin)?),
                 #[cfg(not(feature = "parquet"))]
                 Format::Parquet => {
                     let missing = "this program was built without `--features parquet`";
@@ -58,7 +58,7 @@ impl TrajectoryWriter {
         Ok(Self { path: path.to_owned(), rows })
     }
 
-    /// Adds a row: time, the state's components, energy.
+    /// Adds a row: a number for each column.
     ///
     /// # Errors
     /// If it cannot be written.
@@ -97,8 +97,8 @@ fn failure(path: &Path, source: io::Error) -> Error {
 struct Csv(NewFile);
 
 impl Csv {
-    fn new(mut file: NewFile, entry: &Entry) -> io::Result<Self> {
-        file.write_all(&table(&[entry.columns()]))?;
+    fn new(mut file: NewFile, columns: Vec<String>) -> io::Result<Self> {
+        file.write_all(&table(&[columns]))?;
         Ok(Self(file))
     }
 }

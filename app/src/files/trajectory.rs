@@ -90,7 +90,7 @@ impl Trajectory {
             return Err(SetupError::new("a trajectory without a state is no table").into());
         };
         let origin = self.origin();
-        let mut writer = TrajectoryWriter::create(path, format, &self.entry, &origin)?;
+        let mut writer = TrajectoryWriter::create(path, format, self.entry.columns(), &origin)?;
         let mut conservation = ConservationReport::at(first.time, first.energy, &first.casimirs);
         self.samples.replay(|sample| conservation.push(sample));
         for RecordedSample { time, state, energy, .. } in &self.samples.0 {

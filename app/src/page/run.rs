@@ -5,7 +5,7 @@ use coadjoint::system::{Quantity, Role};
 use super::format::{Detail, DetailValue, FORMAT, Page, Plot, Run, Scale, Series, Space};
 use crate::catalogue::plotted::PlottedQuantity;
 use crate::catalogue::quantities::by_key;
-use crate::catalogue::{ControlLaw, Entry, casimir, unit};
+use crate::catalogue::{ControlLaw, Entry, casimir, program, unit};
 use crate::record::{PageRecorder, PageSamples};
 use crate::scene::{self, Frames, rounded};
 
@@ -60,7 +60,7 @@ fn details(entry: &Entry, heading: &PageHeading<'_>) -> Vec<Detail> {
         };
         details.push(detail(quantity.name, value, unit(quantity)));
     }
-    let made = DetailValue::Text(format!("coadjoint {}", env!("CARGO_PKG_VERSION")));
+    let made = DetailValue::Text(program().join(" "));
     details.extend([
         detail("scheme", DetailValue::Text(heading.title.clone()), ""),
         detail("step", DetailValue::Number(heading.step), "s"),

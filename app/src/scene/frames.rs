@@ -241,7 +241,7 @@ mod tests {
     fn controls_are_drawn() {
         let entry = catalogue().system("planar_pendulum").expect("it is there");
         let (method, retraction, order) = (Method::Standard, Retraction::Cayley, Order::Two);
-        let job = Job { method, retraction, order, step: 0.1, steps: 5 };
+        let job = Job { method, retraction, order, step: 0.1, steps: 5, rest: 0.0 };
         let mut samples = Samples::default();
         let simulated = simulate(entry, &entry.example, &job, None, &|index| index + 1, &mut |sample| {
             samples.push(sample);

@@ -3,7 +3,8 @@
 
 use coadjoint::system::{Quantity, Role};
 
-use super::names::{Names, Part, count, named, numbers};
+use super::form::{RotationForm, others, stored};
+use super::names::{Names, Part, count, named, numbers, velocity};
 use super::rotation::normalize;
 use super::transport::moved;
 use super::{Setup, check};
@@ -19,14 +20,16 @@ pub(crate) struct Changes<'e> {
     setup: Setup,
     /// The numbers of the state that were given.
     given: Vec<bool>,
+    /// Velocities that were given, in the places of their momenta.
+    velocities: Vec<Option<f64>>,
 }
 
 impl<'e> Changes<'e> {
     /// None yet.
     pub(crate) fn of(entry: &'e Entry) -> Self {
         let setup = entry.example.clone();
-        let given = vec![false; setup.state.len()];
-        Self { entry, setup, given }
+        let (given, velocities) = (vec![false; setup.state.len()], vec![None; setup.state.len()]);
+        Self { entry, setup, given, velocities }
     }
 
     /// Makes assignments one after the other.
@@ -42,7 +45,11 @@ impl<'e> Changes<'e> {
                 SetupError::new(reason)
             })?;
             let (name, value) = (name.trim(), value.trim());
-            self.assign(Names::ALL, name, &numbers(name, value)?)?;
+            let (form, value) = match value.split_once(':') {
+                Some((form, value)) => (Some(RotationForm::named(form)?), value),
+                None => (None, value),
+            };
+            self.assign_form(Names::ALL, name, form, &numbers(name, value)?)?;
         }
         Ok(())
     }
@@ -52,24 +59,52 @@ impl<'e> Changes<'e> {
     /// # Errors
     /// If there is none of this name, its number of components is another one, or a number is not finite.
     pub(crate) fn assign(&mut self, which: Names, name: &str, numbers: &[f64]) -> Result<(), SetupError> {
+        self.assign_form(which, name, None, numbers)
+    }
+
+    /// Sets a quantity or one of its components; a rotation in a form of its own.
+    ///
+    /// # Errors
+    /// As [`assign`](Self::assign), or if it is no rotation in space.
+    pub(super) fn assign_form(
+        &mut self,
+        which: Names,
+        name: &str,
+        form: Option<RotationForm>,
+        numbers: &[f64],
+    ) -> Result<(), SetupError> {
         let target = named(self.entry, which, name)?;
         if let Some(number) = numbers.iter().find(|number| !number.is_finite()) {
             return Err(SetupError::new(format!("`{name}` must be finite, got `{number}`")));
         }
-        let slots = target.slots;
-        if numbers.len() != slots.len() {
-            let reason = format!("`{name}` takes {}, got {}", count(slots.len()), count(numbers.len()));
+        let (slots, is_whole) = (target.slots.clone(), target.is_whole());
+        let stored = match is_whole {
+            true => stored(target.quantity, form, numbers),
+            false => (form.is_none() && numbers.len() == slots.len()).then(|| numbers.to_vec()),
+        };
+        let Some(numbers) = stored else {
+            let others = if is_whole { others(target.quantity) } else { String::new() };
+            let reason = match form.is_some() && !others.contains("euler") {
+                true => format!("`{name}` is no rotation in space"),
+                false => {
+                    format!("`{name}` takes {}, got {}{others}", count(slots.len()), count(numbers.len()))
+                }
+            };
             return Err(SetupError::new(reason));
-        }
+        };
         match target.part {
-            Part::Parameters => self.setup.parameters[slots].copy_from_slice(numbers),
+            Part::Parameters => self.setup.parameters[slots].copy_from_slice(&numbers),
             Part::State => {
                 self.given[slots.clone()].fill(true);
-                self.setup.state[slots].copy_from_slice(numbers);
+                self.setup.state[slots].copy_from_slice(&numbers);
+            }
+            Part::Velocities => {
+                let velocities = self.velocities[slots].iter_mut();
+                velocities.zip(numbers).for_each(|(velocity, number)| *velocity = Some(number));
             }
             Part::Controls => {
                 let controls = self.setup.controls[slots].iter_mut();
-                controls.zip(numbers).for_each(|(control, number)| *control = Some(*number));
+                controls.zip(numbers).for_each(|(control, number)| *control = Some(number));
             }
         }
         Ok(())
@@ -87,10 +122,11 @@ impl<'e> Changes<'e> {
     /// # Errors
     /// If a rotation is zero, no stepper can be built with the parameters, or the energy of the state is no number.
     pub(crate) fn finish(self) -> Result<(Setup, Vec<String>), RunError> {
-        let Self { entry, mut setup, given } = self;
+        let Self { entry, mut setup, given, velocities } = self;
         let mut notes = normalize(entry, &mut setup)?;
         notes.extend(check(entry, &setup)?);
         notes.extend(turn_along(entry, &mut setup, &given));
+        move_at(entry, &mut setup, &given, &velocities)?;
         notes.extend(other_casimirs(entry, &setup));
         let law = entry.law(&setup);
         let energy = entry.energy(&*entry.system(&setup.parameters), law.as_ref(), (&setup.state, 0.0));
@@ -103,6 +139,38 @@ impl<'e> Changes<'e> {
         }
         Ok((setup, notes))
     }
+}
+
+/// Sets momenta to those of the velocities that were given; the others keep theirs.
+fn move_at(
+    entry: &Entry,
+    setup: &mut Setup,
+    given: &[bool],
+    velocities: &[Option<f64>],
+) -> Result<(), SetupError> {
+    if velocities.iter().all(Option::is_none) {
+        return Ok(());
+    }
+    let momenta = || {
+        let all = Quantity::with_ranges(entry.description.state);
+        all.filter(|(quantity, _)| quantity.role == Role::Momentum)
+    };
+    if let Some((momentum, _)) = momenta().find(|(_, slots)| given[slots.clone()].contains(&true)) {
+        let (momentum, other) = (momentum.name, velocity(momentum.name));
+        let reason = format!("`{momentum}` and a velocity are given: give `{other}`, or momenta alone");
+        return Err(SetupError::new(reason));
+    }
+    let system = entry.system(&setup.parameters);
+    let control = entry.law(setup).map(|law| entry.chosen(&law, (&setup.state, 0.0))).unwrap_or_default();
+    let usual = system.differential(&setup.state, 0.0, &control);
+    for (quantity, slots) in momenta() {
+        for (slot, usual) in slots.zip(&usual[quantity.tangent()]) {
+            setup.state[slot] = velocities[slot].unwrap_or(*usual);
+        }
+    }
+    let moving = system.with_velocity(&setup.state, 0.0, &control);
+    setup.state = moving.map_err(|error| SetupError::new(error.to_string()))?;
+    Ok(())
 }
 
 /// Turns what is advected and was not given along with configurations that were.

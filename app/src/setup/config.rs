@@ -9,6 +9,7 @@ use std::path::Path;
 use serde::Deserialize;
 use toml::{Table, Value};
 
+use super::form::RotationForm;
 use super::{Changes, Format, Method, Names, Order, Retraction};
 use crate::catalogue::Entry;
 use crate::error::{Error, FileError, SetupError};
@@ -77,8 +78,8 @@ impl Config {
         ];
         for (which, section, table) in tables {
             for (name, value) in table {
-                numbers(name, value)
-                    .and_then(|numbers| changes.assign(which, name, &numbers))
+                formed(name, value)
+                    .and_then(|(form, numbers)| changes.assign_form(which, name, form, &numbers))
                     .map_err(|error| error.within(format!("{}: [{section}]", path.display())))?;
             }
         }
@@ -99,6 +100,15 @@ fn read_text(path: &Path) -> io::Result<String> {
 
 /// Whole numbers up to here are those of f64.
 const EXACT: u64 = 1 << 53;
+
+/// Numbers, or a rotation in one of its forms: `{ euler = [0.1, 0.2, 0.3] }`.
+fn formed(name: &str, value: &Value) -> Result<(Option<RotationForm>, Vec<f64>), SetupError> {
+    let form = value.as_table().filter(|table| table.len() == 1).and_then(|table| table.iter().next());
+    match form {
+        Some((form, value)) => Ok((Some(RotationForm::named(form)?), numbers(name, value)?)),
+        None => Ok((None, numbers(name, value)?)),
+    }
+}
 
 /// A number, or a list of numbers.
 fn numbers(name: &str, value: &Value) -> Result<Vec<f64>, SetupError> {
@@ -138,13 +148,15 @@ fn write_example(text: &mut String, entry: &Entry) -> std::fmt::Result {
 system = \"{name}\"
 
 [run]
-retraction = \"exponential\"   # the map that the step is built on: exponential or cayley
+{:28} # the map that the step is built on: {}
 method = \"standard\"          # standard, euler-a, euler-b, midpoint, verlet, …; rk4, …: `coadjoint run --help` lists all
 order = 2                    # 2; 4, 6, 8 and 10 are composed of its steps
 {:28} # s; negative to go back in time
 {:28} # s
 every = 1                    # write the state after every so many steps
 format = \"csv\"               # csv, json or parquet",
+        format!("retraction = \"{}\"", Retraction::Exponential.or_first_of(entry).name()),
+        Retraction::of(entry).iter().map(|retraction| retraction.name()).collect::<Vec<_>>().join(" or "),
         format!("step = {step:?}"),
         format!("duration = {duration:?}"),
     )?;

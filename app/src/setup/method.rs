@@ -130,6 +130,18 @@ impl Method {
         ours.chain(Classical::ALL.into_iter().map(Method::Classical))
     }
 
+    /// All with a number in their names, of denominators that anybody would ask for: which of them were generated is
+    /// found by trying.
+    pub(crate) fn with_numbers() -> impl Iterator<Item = Method> {
+        let fractions = (1..=64).flat_map(|denominator| (0..=denominator).map(move |n| (n, denominator)));
+        let lowest = fractions.filter(|&(n, denominator)| greatest_common_divisor(n, denominator) == 1);
+        lowest.flat_map(|(n, denominator)| {
+            let member = Self::family(n, denominator);
+            let is_new = matches!(member, Method::Family(..));
+            is_new.then_some(member).into_iter().chain([Method::TangentLift(n, denominator)])
+        })
+    }
+
     /// The member `s = numerator/denominator` of the family, in lowest terms.
     fn family(numerator: u32, denominator: u32) -> Self {
         match (numerator, denominator) {
@@ -150,6 +162,15 @@ impl Method {
         match self {
             Method::Classical(classical) => Some(classical),
             _ => None,
+        }
+    }
+
+    /// Whether its steps are symplectic, so that errors of what is conserved stay bounded for long.
+    pub(crate) fn keeps_structure(self) -> bool {
+        match self {
+            Method::TangentLift(..) => false,
+            Method::Classical(classical) => classical.runge_kutta().is_symplectic(),
+            _ => true,
         }
     }
 

@@ -2,7 +2,9 @@
 //! quantities.
 
 mod assign;
+mod column;
 pub(crate) mod config;
+mod form;
 mod method;
 mod names;
 pub mod random;
@@ -18,6 +20,7 @@ use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 pub(crate) use assign::{Changes, assignments};
+pub use column::Column;
 pub(crate) use method::MethodParser;
 pub use method::{Classical, Method};
 pub(crate) use names::Names;
@@ -26,6 +29,7 @@ pub use spread::{SampledRange, Variation};
 
 use crate::catalogue::Entry;
 pub use crate::catalogue::Setup;
+use crate::error::SetupError;
 use crate::units::exact;
 
 /// The map from the Lie algebra to the group that a step is built on.
@@ -58,6 +62,12 @@ impl Retraction {
             erased::Stepper::new(system.clone(), &first, entry.step).is_ok()
         };
         Self::ALL.into_iter().filter(is_there).collect()
+    }
+
+    /// Chooses this one, or where there are no steps with it the first one with which there are.
+    pub(crate) fn or_first_of(self, entry: &Entry) -> Self {
+        let known = Self::of(entry);
+        if known.contains(&self) { self } else { known.first().copied().unwrap_or(self) }
     }
 
     /// Its name on the command line and in file names.
@@ -136,11 +146,51 @@ pub struct Job {
     pub order: Order,
     /// The step, s.
     pub step: f64,
-    /// The number of steps.
+    /// The number of steps of this length.
     pub steps: u64,
+    /// The length of a shorter step behind them, which leads to the end of the run, s; 0 for none.
+    pub rest: f64,
 }
 
 impl Job {
+    /// Counts the steps that lead to a time, and tells how much is left behind them, s.
+    ///
+    /// # Errors
+    /// If there is no such run: the message says why.
+    pub fn steps_to(duration: f64, step: f64) -> Result<(u64, f64), SetupError> {
+        /// Beyond this, step numbers are no longer exact in f64, and no run would finish.
+        const MOST: f64 = 9e15;
+
+        if !(step.is_finite() && step != 0.0) {
+            return Err(SetupError::new(format!("`--step` must be finite and not zero, got {step}")));
+        }
+        if !(duration.is_finite() && duration >= 0.0) {
+            return Err(SetupError::new(format!(
+                "`--duration` must be finite and not negative, got {duration} (a negative `--step` goes back in time)"
+            )));
+        }
+        let exact = duration / step.abs();
+        if exact > MOST {
+            let reason = format!("{duration} s in steps of {step} s are {exact:.1e} steps: too many");
+            return Err(SetupError::new(reason));
+        }
+        // what is no more than the rounding of the quotient is nothing
+        if (exact - exact.round()).abs() <= (4.0 * f64::EPSILON * (exact + 1.0)).min(0.25) {
+            return Ok((exact.round() as u64, 0.0));
+        }
+        Ok((exact as u64, duration - exact.floor() * step.abs()))
+    }
+
+    /// Counts all steps, with the shorter one at the end.
+    pub fn total(&self) -> u64 {
+        self.steps + u64::from(self.rest != 0.0)
+    }
+
+    /// Tells how long the run is, s.
+    pub fn duration(&self) -> f64 {
+        self.steps as f64 * self.step.abs() + self.rest
+    }
+
     /// Tells whether members of an ensemble are stepped side by side, in the processor's registers: with the standard
     /// step on the exponential map or the Cayley map, and what is composed of it.
     pub fn is_side_by_side(&self) -> bool {

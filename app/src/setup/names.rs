@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use coadjoint::system::Quantity;
+use coadjoint::system::{Quantity, Role};
 
 use crate::catalogue::quantities::{Component, components};
 use crate::catalogue::suggest::did_you_mean;
@@ -14,12 +14,14 @@ use crate::error::SetupError;
 pub(crate) struct Names(&'static [Part], &'static str);
 
 impl Names {
-    pub(crate) const ALL: Self =
-        Self(&[Part::Parameters, Part::State, Part::Controls], "parameter, state quantity or control");
+    pub(crate) const ALL: Self = Self(
+        &[Part::Parameters, Part::State, Part::Controls, Part::Velocities],
+        "parameter, state quantity or control",
+    );
     /// Those of what members of an ensemble may differ in.
     pub(crate) const VARIED: Self = Self(&[Part::Parameters, Part::State], "parameter or state quantity");
     pub(crate) const PARAMETERS: Self = Self(&[Part::Parameters], "parameter");
-    pub(crate) const STATE: Self = Self(&[Part::State], "state quantity");
+    pub(crate) const STATE: Self = Self(&[Part::State, Part::Velocities], "state quantity");
     pub(crate) const CONTROLS: Self = Self(&[Part::Controls], "control");
 }
 
@@ -29,6 +31,8 @@ pub(super) enum Part {
     Parameters,
     State,
     Controls,
+    /// Those that belong to the momenta of the state.
+    Velocities,
 }
 
 impl Part {
@@ -36,7 +40,7 @@ impl Part {
     fn quantities(self, entry: &Entry) -> &'static [Quantity] {
         match self {
             Part::Parameters => entry.description.parameters,
-            Part::State => entry.description.state,
+            Part::State | Part::Velocities => entry.description.state,
             Part::Controls => entry.description.controls,
         }
     }
@@ -74,6 +78,10 @@ impl Name {
             }));
         }
         whole.extend(single);
+        whole.retain(|name| name.part != Part::Velocities || name.quantity.role == Role::Momentum);
+        for name in whole.iter_mut().filter(|name| name.part == Part::Velocities) {
+            (name.name, name.unit) = (velocity(&name.name), "");
+        }
         whole
     }
 
@@ -81,6 +89,11 @@ impl Name {
     pub(super) fn is_whole(&self) -> bool {
         self.name == self.quantity.name
     }
+}
+
+/// Names the velocity that belongs to a momentum: `attitude_velocity_x` to `attitude_momentum_x`.
+pub(super) fn velocity(momentum: &str) -> String {
+    momentum.replacen("momentum", "velocity", 1)
 }
 
 /// Finds the numbers of a name.

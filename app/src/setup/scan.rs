@@ -1,5 +1,5 @@
-//! `--scan name=from:to:count`: the values that a parameter, a number of the initial state or a control takes, one
-//! after the other.
+//! `--scan name=from:to:count`: the values that a parameter, a number of the initial state, a control or the step takes,
+//! one after the other.
 
 use super::names::{Names, named, numbers};
 use crate::catalogue::{Entry, component_name};
@@ -7,6 +7,9 @@ use crate::error::SetupError;
 
 /// No more runs than these: a table that nobody reads, and memory for it.
 const MOST: usize = 1_000_000;
+
+/// The name of the step, unless a quantity of the system has it.
+const STEP: &str = "step";
 
 /// A number and the values that it takes in a scan.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +20,8 @@ pub(crate) struct Scan {
     pub(crate) unit: &'static str,
     /// Its values.
     pub(crate) values: Vec<f64>,
+    /// Whether it is the step.
+    pub(crate) is_step: bool,
 }
 
 impl Scan {
@@ -29,8 +34,11 @@ impl Scan {
         let form = "write `name=from:to:count`, as in `weight=1:10:20`, or `name=1,2,5`";
         let (name, range) = text.split_once('=').ok_or_else(|| wrong(form))?;
         let (name, range) = (name.trim(), range.trim());
-        let target = named(entry, Names::ALL, name)?;
-        if target.slots.len() != 1 {
+        let target = match named(entry, Names::ALL, name) {
+            Err(_) if name == STEP => None,
+            target => Some(target?),
+        };
+        if let Some(target) = target.as_ref().filter(|target| target.slots.len() != 1) {
             let component = component_name(target.quantity, target.quantity.components[0]);
             return Err(wrong(&format!("one number is scanned at a time, as in `{component}=…`")));
         }
@@ -49,7 +57,8 @@ impl Scan {
         if let Some(value) = values.iter().find(|value| !value.is_finite()) {
             return Err(wrong(&format!("values must be finite, got {value}")));
         }
-        Ok(Self { name: name.to_owned(), unit: target.unit, values })
+        let (is_step, unit) = target.map_or((true, "s"), |target| (false, target.unit));
+        Ok(Self { name: name.to_owned(), unit, values, is_step })
     }
 
     /// All combinations of one or two scans, the last one varying fastest.
@@ -129,8 +138,12 @@ mod tests {
 
     #[test]
     fn two_scans_make_a_grid() {
-        let scan =
-            |name: &str, values: &[f64]| Scan { name: name.to_owned(), unit: "", values: values.to_vec() };
+        let scan = |name: &str, values: &[f64]| Scan {
+            name: name.to_owned(),
+            unit: "",
+            values: values.to_vec(),
+            is_step: false,
+        };
         let (a, b) = (scan("a", &[1.0, 2.0]), scan("b", &[3.0, 4.0, 5.0]));
         let points = Scan::grid(&[a.clone(), b.clone()]).expect("valid");
         assert_eq!(points.len(), 6);

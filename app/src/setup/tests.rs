@@ -1,3 +1,5 @@
+use nalgebra::Matrix6;
+
 use super::*;
 use crate::error::RunError;
 use crate::tests::catalogue;
@@ -68,6 +70,135 @@ fn mistakes_are_explained() {
     ] {
         let message = set(&[assignment]).expect_err(assignment);
         assert!(message.contains(expected), "{assignment}: {message}");
+    }
+}
+
+/// The rotation matrix of turns about x, then y, then z of space, by hand.
+fn euler_matrix([roll, pitch, yaw]: [f64; 3]) -> Matrix3<f64> {
+    let [(sr, cr), (sp, cp), (sy, cy)] = [roll, pitch, yaw].map(f64::sin_cos);
+    Matrix3::new(
+        cy * cp,
+        cy * sp * sr - sy * cr,
+        cy * sp * cr + sy * sr,
+        sy * cp,
+        sy * sp * sr + cy * cr,
+        sy * sp * cr - cy * sr,
+        -sp,
+        cp * sr,
+        cp * cr,
+    )
+}
+
+#[test]
+fn rotations_are_read_and_written_in_their_forms() {
+    let matrix = |q: &[f64]| {
+        let rotation =
+            nalgebra::UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(q[0], q[1], q[2], q[3]));
+        rotation.to_rotation_matrix().into_inner()
+    };
+    let column = |column: Column, state: &[f64]| {
+        let entry = catalogue().find("heavy_top").expect("it is there");
+        let mut row = Vec::new();
+        column.push((entry, &*entry.system(&entry.example.parameters)), (state, 0.0, &[]), &mut row);
+        row
+    };
+    let near = |found: &[f64], expected: &[f64]| {
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-14), "{found:?} {expected:?}");
+    };
+    let (setup, _) = set(&["attitude=euler: 0.3,-0.2,1.1"]).expect("valid");
+    assert!((matrix(&setup.state) - euler_matrix([0.3, -0.2, 1.1])).amax() < 1e-15);
+    near(&column(Column::Euler, &setup.state), &[0.3, -0.2, 1.1]);
+    // a turn of 2 rad about (2, -1, 2)/3
+    let (sin, cos) = 1.0_f64.sin_cos();
+    let turned = [cos, sin * 2.0 / 3.0, -sin / 3.0, sin * 2.0 / 3.0];
+    let (rotvec, mrp) = ([4.0 / 3.0, -2.0 / 3.0, 4.0 / 3.0], 0.5_f64.tan() / 3.0);
+    for (form, numbers) in [("rotvec", rotvec), ("mrp", [2.0 * mrp, -mrp, 2.0 * mrp])] {
+        let [x, y, z] = numbers;
+        let (setup, _) = set(&[&format!("attitude={form}:{x},{y},{z}")]).expect("valid");
+        near(&setup.state[..4], &turned);
+        let is = if form == "mrp" { Column::Mrp } else { Column::Rotvec };
+        near(&column(is, &setup.state), &numbers);
+        // the other sign of the quaternion is the same rotation
+        near(&column(is, &turned.map(|x| -x)), &numbers);
+    }
+    // of a rigid motion, with its position; in the plane by an angle
+    let (setup, _) = set_in("rigid_body_in_space", &["pose=rotvec:0,0,2,5,6,7"]).expect("valid");
+    near(&setup.state[..7], &[cos, 0.0, 0.0, sin, 5.0, 6.0, 7.0]);
+    let (setup, _) = set_in("planar_pendulum", &["angle=1"]).expect("valid");
+    near(&setup.state[..2], &[cos, sin]);
+    for (assignment, expected) in [
+        ("attitude=euler:1,2", "in other forms `attitude=euler:…`"),
+        ("attitude=quat:1,2,3", "there is no form `quat`"),
+        ("momentum=euler:1,2,3", "`momentum` is no rotation in space"),
+        ("attitude_w=mrp:1,2,3", "is no rotation in space"),
+    ] {
+        let message = set(&[assignment]).expect_err(assignment);
+        assert!(message.contains(expected), "{assignment}: {message}");
+    }
+}
+
+#[test]
+fn a_symmetric_matrix_is_its_triangle_or_its_diagonal() {
+    let inertia = |of: &str| {
+        set_in("rigid_body_in_space", &[&format!("inertia={of}")]).map(|(setup, _)| setup.parameters)
+    };
+    let diagonal = inertia("1,2,3,4,5,6").expect("six of six rows");
+    assert_eq!(
+        Matrix6::from_row_slice(&diagonal),
+        Matrix6::from_diagonal(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0].into())
+    );
+    let triangle = "10,1,2,3,4,5, 20,6,7,8,9, 30,1,2,3, 40,4,5, 50,6, 60";
+    let matrix = Matrix6::from_row_slice(&inertia(triangle).expect("positive definite"));
+    assert_eq!(matrix, matrix.transpose());
+    assert_eq!(
+        [(0, 5), (1, 2), (2, 5), (3, 4), (4, 5), (5, 5)].map(|at| matrix[at]),
+        [5.0, 6.0, 3.0, 4.0, 6.0, 60.0]
+    );
+    let message = inertia("1,2,3").expect_err("of three rows");
+    assert!(
+        message.contains("takes 36 numbers") && message.contains("21 are its upper triangle"),
+        "{message}"
+    );
+}
+
+#[test]
+fn velocities_are_given_in_place_of_momenta() {
+    let (setup, _) = set(&["velocity=3,0.5,-0.25", "inertia=2,3,4"]).expect("valid");
+    assert_eq!(setup.state[4..7], [6.0, 1.5, -1.0]);
+    // components that are not given keep their velocity: 1/1 and 1/100
+    let (setup, _) = set(&["velocity_y=2"]).expect("valid");
+    assert_eq!(setup.state[4..7], [1.0, 20.0, 1.0]);
+    let message = set(&["velocity=1,2,3", "momentum_x=1"]).expect_err("both");
+    assert!(message.contains("`momentum` and a velocity are given"), "{message}");
+    assert!(set(&["velocty=1,2,3"]).expect_err("misspelt").contains("did you mean `velocity`?"));
+    let entry = catalogue().find("heavy_top").expect("it is there");
+    assert_eq!(
+        Column::Velocity.names(entry).expect("it has one"),
+        ["velocity_x", "velocity_y", "velocity_z"]
+    );
+    let mut row = Vec::new();
+    let system = entry.system(&entry.example.parameters);
+    Column::Velocity.push((entry, &*system), (&setup.state, 0.0, &[]), &mut row);
+    assert_eq!(row, [1.0, 2.0, 0.01]);
+    assert!(Column::Angle.names(entry).expect_err("none").to_string().contains("no rotation in the plane"));
+}
+
+#[test]
+fn steps_lead_to_the_end_of_a_run() {
+    for (duration, step, expected) in [
+        (1.0, 0.25, (4, 0.0)),
+        (1.0, -0.3, (3, 1.0 - 3.0 * 0.3)),
+        (0.3, 0.1, (3, 0.0)),
+        (0.7, 1.0, (0, 0.7)),
+        (0.0, 1.0, (0, 0.0)),
+        (1e9, 1e-3, (1_000_000_000_000, 0.0)),
+    ] {
+        assert_eq!(Job::steps_to(duration, step), Ok(expected));
+        let (steps, rest) = expected;
+        let (method, retraction, order) = (Method::Standard, Retraction::Cayley, Order::Two);
+        let job = Job { method, retraction, order, step, steps, rest };
+        // what is written down leads to the same steps
+        assert_eq!(Job::steps_to(job.duration(), step), Ok(expected));
     }
 }
 

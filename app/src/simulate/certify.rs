@@ -5,7 +5,6 @@ use std::ops::ControlFlow;
 use coadjoint::certify::{Report, certify_erased};
 use coadjoint::erased::{self, RetractionKind};
 use coadjoint::system::{Quantity, Role};
-use nalgebra::{DMatrix, DVector};
 
 use super::{scheme, simulate};
 use crate::catalogue::quantities::tangent_length;
@@ -47,6 +46,7 @@ pub fn states_in_motion(entry: &Entry, setup: &Setup) -> Result<(Vec<Vec<f64>>, 
         order: Order::Two,
         step: entry.step,
         steps: 80,
+        rest: 0.0,
     };
     let mut states = Vec::new();
     simulate(entry, setup, &job, None, &|index| index + 40, &mut |sample| {
@@ -76,35 +76,15 @@ fn in_motion(
     random: &mut Random,
 ) -> Vec<f64> {
     let quantities = system.description().state;
-    let of = |role| -> Vec<usize> {
-        quantities.iter().filter(|quantity| quantity.role == role).flat_map(Quantity::tangent).collect()
-    };
-    let (turns, momenta) = (of(Role::Configuration), of(Role::Momentum));
-    let length = tangent_length(quantities);
-    let mut by = vec![0.0; length];
-    turns.iter().for_each(|&turn| by[turn] = 0.5 * random.even());
-    let displaced = system.displace(state, RetractionKind::Exponential, &by);
-    // the momentum of a velocity: where the energy is quadratic in it, `∂h/∂μ` is a linear map
-    let velocity = |by: &[f64]| -> Vec<f64> {
-        let there = system.displace(&displaced, RetractionKind::Exponential, by);
-        let differential = system.differential(&there, 0.0, control);
-        momenta.iter().map(|&place| differential[place]).collect()
-    };
-    let at_rest = velocity(&vec![0.0; length]);
-    let columns: Vec<DVector<f64>> = momenta
-        .iter()
-        .map(|&place| {
-            let mut unit = vec![0.0; length];
-            unit[place] = 1.0;
-            DVector::from_vec(velocity(&unit)) - DVector::from_column_slice(&at_rest)
-        })
-        .collect();
-    let requested =
-        DVector::from_iterator(at_rest.len(), at_rest.iter().map(|resting| rate * random.even() - resting));
-    let mut by = vec![0.0; length];
-    let momentum = (!columns.is_empty()).then(|| DMatrix::from_columns(&columns).lu().solve(&requested));
-    if let Some(momentum) = momentum.flatten() {
-        momenta.iter().zip(&momentum).for_each(|(&place, momentum)| by[place] = *momentum);
+    let mut by = vec![0.0; tangent_length(quantities)];
+    for quantity in quantities.iter().filter(|quantity| quantity.role == Role::Configuration) {
+        by[quantity.tangent()].fill_with(|| 0.5 * random.even());
     }
-    system.displace(&displaced, RetractionKind::Exponential, &by)
+    let mut moving = system.displace(state, RetractionKind::Exponential, &by);
+    for (quantity, slots) in Quantity::with_ranges(quantities) {
+        if quantity.role == Role::Momentum {
+            moving[slots].fill_with(|| rate * random.even());
+        }
+    }
+    system.with_velocity(&moving, 0.0, control).unwrap_or(moving)
 }

@@ -72,11 +72,22 @@ pub struct EnsembleSummary {
 }
 
 impl EnsembleSpec {
-    /// Checks that there is memory for the members.
+    /// Checks that there is memory for the members, and for what is seen of them.
     ///
     /// # Errors
     /// If not so much can be had.
     pub fn check_room(&self) -> Result<(), SetupError> {
+        /// Of each look some kilobytes are kept until its row is written.
+        const LOOKS: u64 = 100_000;
+
+        let looks = self.job.steps / self.every.max(1);
+        if looks > LOOKS {
+            let (looks, most) = (grouped(looks), grouped(LOOKS));
+            let every = self.job.steps.div_ceil(LOOKS);
+            let reason =
+                format!("the members are looked at {looks} times: at most {most}, as with `--every {every}`");
+            return Err(SetupError::new(reason));
+        }
         Vec::<(Setup, Setup)>::new().try_reserve_exact(self.members).map_err(|_| {
             SetupError::new(format!("there is no memory for {} members", grouped(self.members as u64)))
         })
@@ -238,12 +249,19 @@ mod tests {
         let refused = |members: usize, order: Order| {
             let variation = Variation::parse(top, &top.example, &[]).expect("nothing varies");
             let (method, retraction) = (Method::Standard, Retraction::Cayley);
-            let job = Job { method, retraction, order, step: 0.01, steps: 100 };
+            let job = Job { method, retraction, order, step: 0.01, steps: 100, rest: 0.0 };
             let spec = EnsembleSpec { members, variation, seed: 1, job, every: 100 };
             let ran = run(top, &top.example, &spec, &[], &mut |_| ControlFlow::Continue(()));
             ran.map(|summary| summary.member_steps).map_err(|error| error.to_string())
         };
         assert_eq!(refused(10, Order::Two), Ok(1000));
+        let (method, retraction, order) = (Method::Standard, Retraction::Cayley, Order::Two);
+        let job = Job { method, retraction, order, step: 0.01, steps: 1_000_000, rest: 0.0 };
+        let variation = Variation::parse(top, &top.example, &[]).expect("nothing varies");
+        let spec = |every| EnsembleSpec { members: 2, variation: variation.clone(), seed: 1, job, every };
+        let message = spec(9).check_room().expect_err("too many looks").to_string();
+        assert!(message.contains("111,111 times: at most 100,000, as with `--every 10`"), "{message}");
+        assert_eq!(spec(10).check_room(), Ok(()));
         for members in [100_000_000_000_000, usize::MAX] {
             for order in [Order::Two, Order::Ten] {
                 let message = refused(members, order).expect_err("more than any computer has");

@@ -3,6 +3,7 @@
 mod certify;
 mod classical;
 pub mod ensemble;
+mod estimate;
 pub(crate) mod scan;
 pub(crate) mod threads;
 mod too_far;
@@ -21,6 +22,8 @@ use serde::{Deserialize, Serialize};
 
 pub use certify::{certify, states_in_motion};
 pub use classical::stepper as classical_stepper;
+pub use estimate::{Distance, ErrorEstimate, error_estimate};
+pub(crate) use too_far::slowed;
 
 use crate::catalogue::{ControlLaw, Entry, Setup};
 use crate::error::{RunError, SetupError};
@@ -158,14 +161,29 @@ pub fn simulate(
     let held: Option<Vec<f64>> = setup.controls.iter().copied().collect();
     let law = if held.is_some() { None } else { entry.law(setup) };
     let held = held.unwrap_or_default();
-    let steps = job.steps.saturating_sub(stepper.steps_taken());
-    let watched = Watched { entry, law: law.as_ref(), held: &held, next, observer };
-    let run = Run::new(&mut stepper, &mut state).observe(watched);
-    let ran = match &law {
-        Some(law) => run.controlled_by(|state, time| entry.chosen(law, (state, time))).steps(steps),
-        None => run.with_control(held.clone()).steps(steps),
+    let mut watched =
+        Watched { entry, law: law.as_ref(), held: &held, next, observer, due: 0, last: job.total() };
+    let mut walk = |stepper: &mut erased::Stepper, state: &mut Vec<f64>, steps: u64| {
+        let run = Run::new(stepper, state).observe(&mut watched);
+        match &law {
+            Some(law) => run.controlled_by(|state, time| entry.chosen(law, (state, time))).steps(steps),
+            None => run.with_control(held.clone()).steps(steps),
+        }
     };
-    ran.map_err(|error| too_far::explained(error, &*system, &state, job))
+    let explained = |error, state: &[f64]| too_far::explained(error, &*system, state, job);
+    let steps = job.steps.saturating_sub(stepper.steps_taken());
+    let mut report = walk(&mut stepper, &mut state, steps).map_err(|error| explained(error, &state))?;
+    if job.rest == 0.0 || report.stopped || stepper.steps_taken() != job.steps {
+        return Ok(report);
+    }
+    stepper.set_step_size(job.rest.copysign(job.step)).map_err(StepperError::from)?;
+    let last = walk(&mut stepper, &mut state, 1).map_err(|error| explained(error, &state))?;
+    report.steps += last.steps;
+    report.stopped = last.stopped;
+    report.iterations += last.iterations;
+    report.max_iterations = report.max_iterations.max(last.max_iterations);
+    report.max_residual = report.max_residual.max(last.max_residual);
+    Ok(report)
 }
 
 /// Shows the samples that are needed to an observer.
@@ -175,11 +193,20 @@ struct Watched<'a, 'o> {
     held: &'a [f64],
     next: &'a dyn Fn(u64) -> u64,
     observer: &'a mut SampleObserver<'o>,
+    /// The sample that is shown next.
+    due: u64,
+    /// The one at the end of the run.
+    last: u64,
 }
 
 impl Observer<dyn erased::System> for Watched<'_, '_> {
     fn observe(&mut self, tick: &Tick<'_, dyn erased::System>) -> ControlFlow<()> {
         let (index, time, state) = (tick.index, tick.time, &tick.state[..]);
+        // where the last, shorter step starts there are two ticks, and perhaps nothing to be seen
+        if index < self.due && index != self.last {
+            return ControlFlow::Continue(());
+        }
+        self.due = (self.next)(index);
         let energy = match self.law {
             Some(_) => self.entry.energy(tick.system, self.law, (state, time)),
             None => tick.system.energy(state, time, self.held),
@@ -202,7 +229,7 @@ pub fn time_per_step(entry: &Entry, setup: &Setup, job: &Job) -> Result<Option<f
     /// longer.
     const STEPS: [u64; 2] = [50_000, 500];
     let most = STEPS[usize::from(job.method.classical().is_some())];
-    let job = Job { steps: job.steps.min(most), ..*job };
+    let job = Job { steps: job.steps.min(most), rest: 0.0, ..*job };
     if job.steps == 0 {
         return Ok(None);
     }
@@ -219,8 +246,22 @@ pub fn time_per_step(entry: &Entry, setup: &Setup, job: &Job) -> Result<Option<f
 pub(crate) fn has_method(entry: &Entry, method: Method) -> bool {
     let system = entry.system(&entry.example.parameters);
     let is_there = |retraction: Retraction| {
-        let job = Job { method, retraction, order: Order::Two, step: entry.step, steps: 0 };
+        let job = Job { method, retraction, order: Order::Two, step: entry.step, steps: 0, rest: 0.0 };
         stepper(entry, system.clone(), &job).is_ok()
     };
     Retraction::COMMON.into_iter().any(is_there)
+}
+
+/// Tells whether a run keeps its energy: with controls that are held, where neither a force nor time has a part in it at
+/// its start and at its end.
+pub(crate) fn conserves_energy(entry: &Entry, setup: &Setup, (time, end): (f64, &[f64])) -> bool {
+    let held: Option<Vec<f64>> = setup.controls.iter().copied().collect();
+    let Some(held) = held else { return false };
+    let system = entry.system(&setup.parameters);
+    let acts = |time: f64, state: &[f64]| {
+        let energy = |time| system.energy(state, time, &held);
+        let force = system.force(state, time, &held);
+        force.iter().any(|component| *component != 0.0) || energy(time) != energy(time + 0.618)
+    };
+    entry.description.autonomous || !(acts(0.0, &setup.state) || acts(time, end))
 }

@@ -108,13 +108,17 @@ fn threads_that_cannot_be_had_are_an_error() {
     let output = std::process::Command::new("sh")
         .args(["-c", &script])
         .current_dir(&scratch.0)
-        .env("RAYON_NUM_THREADS", "5000")
+        .env("RAYON_NUM_THREADS", "4000")
         // a few large ones: threads that had just been started would lack the last few pages themselves, now and then
         .env("RUST_MIN_STACK", "300000000")
         .output()
         .expect("starts");
     let message = text(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{message}");
-    assert!(message.contains("threads cannot be started (RAYON_NUM_THREADS=5000)"), "{message}");
+    assert!(message.contains("threads cannot be started (RAYON_NUM_THREADS=4000)"), "{message}");
     assert!(!message.contains("panicked"), "{message}");
+    let mut many = scratch.command(&["ensemble", "heavy_top", "--members", "4", "--duration", "1"]);
+    let output = many.env("RAYON_NUM_THREADS", "100000000").output().expect("starts");
+    assert!(text(&output.stderr).contains("at most 4096 can be asked for"), "{}", text(&output.stderr));
+    assert_eq!(output.status.code(), Some(2));
 }

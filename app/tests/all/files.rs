@@ -47,7 +47,11 @@ fn beside_every_file_it_says_what_made_it_and_it_can_be_made_again() {
     assert!(lines.flat_map(|line| line.split(',')).all(|cell| cell.parse::<f64>().is_ok()), "numbers");
 
     let run: Value = serde_json::from_str(&scratch.read(&format!("out/{stem}.run.json"))).expect("JSON");
-    assert_eq!((&run["program"], &run["version"]), (&json!("coadjoint"), &json!(env!("CARGO_PKG_VERSION"))));
+    assert_eq!((&run["program"], &run["version"]), (&json!("two_systems"), &json!("1.2.3")));
+    assert_eq!(run["coadjoint"], json!(env!("CARGO_PKG_VERSION")));
+    assert!(scratch.read("out/page.html").contains("two_systems 1.2.3"));
+    assert!(scratch.prints(&["--version"]).contains("1.2.3"));
+    assert!(scratch.prints(&["--help"]).starts_with("A heavy top and a driven pendulum."));
     assert_eq!((&run["system"], &run["method"]), (&json!("driven_pendulum"), &json!("midpoint")));
     assert_eq!((&run["retraction"], &run["every"]), (&json!("cayley"), &json!(7)));
     assert_eq!(run["step"].to_string(), "0.0031415926535897933");
@@ -227,6 +231,8 @@ fn links_and_devices_are_written_to() {
     assert!(view("/dev/null").status.success());
     assert!(fs::metadata("/dev/null").expect("there").file_type().is_char_device());
     if cfg!(target_os = "linux") {
+        let shown = view("/dev/stdout");
+        assert!(shown.status.success() && text(&shown.stdout).contains("</html>"), "{}", text(&shown.stderr));
         let full = view("/dev/full");
         assert_eq!(full.status.code(), Some(4), "{}", text(&full.stderr));
         symlink("/dev/full", scratch.path("elsewhere/driven_pendulum-cayley.csv")).expect("writable");
@@ -244,6 +250,8 @@ fn a_page_that_cannot_be_written_is_told_before_the_run() {
     let output = scratch.run(&["run", "driven_pendulum", "--duration", "1e12", "--html", "file/page.html"]);
     assert_eq!(output.status.code(), Some(4), "{}", text(&output.stderr));
     assert!(text(&output.stderr).starts_with("error: cannot write"), "{}", text(&output.stderr));
+    scratch.fails(4, &["run", "driven_pendulum", "--duration", "1e12", "--html", "missing/"]);
+    assert!(!scratch.path("missing").exists());
 }
 
 #[test]
@@ -252,6 +260,22 @@ fn what_describes_a_run_is_read_to_a_bound() {
     if cfg!(unix) {
         let refused = scratch.fails(2, &["run", "--config", "/dev/zero"]);
         assert!(refused.contains("longer than a megabyte"), "{refused}");
+        assert!(
+            std::process::Command::new("mkfifo")
+                .arg(scratch.path("pipe"))
+                .status()
+                .is_ok_and(|it| it.success())
+        );
+        for arguments in
+            [["resume", "/dev/zero"], ["resume", "pipe"], ["play", "/dev/zero"], ["play", "pipe"]]
+        {
+            // of a checkpoint the rows are missed first where they are not there
+            let refused = scratch.fails(2, &arguments);
+            assert!(refused.contains("a device or a pipe"), "{arguments:?}: {refused}");
+        }
+        let taken =
+            scratch.fails(2, &["run", "driven_pendulum", "--duration", "1", "--checkpoint", "/dev/zero"]);
+        assert!(taken.contains("is no checkpoint"), "{taken}");
     }
     let toml = "system = \"driven_pendulum\"\n[parameters]\nweight = ";
     scratch.write("run.toml", format!("{toml}9007199254740993\n").as_bytes());

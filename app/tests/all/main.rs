@@ -7,6 +7,8 @@
     reason = "all of it is tests"
 )]
 
+#[cfg(unix)]
+mod drawn;
 mod ensembles;
 mod files;
 mod layers;

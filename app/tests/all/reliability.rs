@@ -14,20 +14,20 @@ use serde_json::Value;
 use crate::program::{Scratch, text};
 
 /// How often each test tries: in small, and in the campaign.
-fn times(small: usize, campaign: usize) -> usize {
+pub(crate) fn times(small: usize, campaign: usize) -> usize {
     if std::env::var_os("COADJOINT_CAMPAIGN").is_some() { campaign } else { small }
 }
 
 /// Random numbers: SplitMix64.
-struct Random(u64);
+pub(crate) struct Random(u64);
 
 impl Random {
-    fn new(test: u64) -> Self {
+    pub(crate) fn new(test: u64) -> Self {
         let seed = std::env::var("COADJOINT_SEED").ok().and_then(|seed| seed.parse().ok()).unwrap_or(1_u64);
         Self(seed << 8 | test)
     }
 
-    fn below(&mut self, bound: usize) -> usize {
+    pub(crate) fn below(&mut self, bound: usize) -> usize {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut bits = self.0;
         bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -81,7 +81,7 @@ fn undisturbed(momentum: &str) -> (String, Vec<u8>) {
     (name, scratch.bytes(&path))
 }
 
-fn signal(child: &Child, name: &str) {
+pub(crate) fn signal(child: &Child, name: &str) {
     let sent = Command::new("kill").args([name, &child.id().to_string()]).status();
     assert!(sent.expect("kill").success());
 }
@@ -522,4 +522,20 @@ fn a_second_signal_leaves_no_temporary_file() {
     });
     assert_eq!(status.and_then(|status| status.code()), Some(143));
     assert!(scratch.files("out").iter().all(|name| !name.ends_with("tmp")), "{:?}", scratch.files("out"));
+}
+
+/// What has nothing to finish ends at the first signal, and is not killed by it: what it began is removed.
+#[test]
+fn a_signal_ends_what_runs_nothing() {
+    let scratch = Scratch::new("play");
+    scratch.write("data.json", br#"{"format": "coadjoint page 1", "time": [0, 1], "runs": []}"#);
+    // nobody reads the page: it cannot be written
+    assert!(Command::new("mkfifo").arg(scratch.path("page")).status().expect("mkfifo").success());
+    let mut child = scratch.command(&["play", "data.json", "--out", "page"]).spawn().expect("it starts");
+    std::thread::sleep(Duration::from_millis(300));
+    assert!(child.try_wait().expect("waits").is_none(), "it waits for a reader");
+    signal(&child, "-INT");
+    let output = child.wait_with_output().expect("it ends");
+    assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
+    assert_eq!(scratch.files("."), ["data.json", "page"]);
 }

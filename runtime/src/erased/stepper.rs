@@ -35,9 +35,11 @@ pub struct Stepper {
     taken: u64,
     /// Steps before these, of other sizes.
     before: u64,
-    /// Whether there was a step, and the state that the last one led to.
+    /// Whether there was a step that the next one goes on from, and the state that the last one led to.
     has_left: bool,
     left: Vec<f64>,
+    /// Whether that is a state that a step led to: a method of one's own may have left its group with it.
+    is_own: bool,
     /// Where the next step leads to, until it is known to succeed.
     next: Vec<f64>,
 }
@@ -137,8 +139,8 @@ impl Stepper {
         let make = Box::new(move |system: &Arc<dyn System>, step| make(system, step).ok());
         let left = std::vec![0.0; length(system.description().state)];
         let (next, scheme) = (left.clone(), None);
-        let (start, taken, before, has_left) = (0.0, 0, 0, false);
-        Ok(Self { system, scheme, make, method, step, start, taken, before, has_left, left, next })
+        let (start, taken, before, has_left, is_own) = (0.0, 0, 0, false, false);
+        Ok(Self { system, scheme, make, method, step, start, taken, before, has_left, left, is_own, next })
     }
 
     /// The system.
@@ -228,9 +230,10 @@ impl Stepper {
         (self.start, [self.taken, self.before]) = snapshot::read(memory, &mut |visit| {
             show(&mut self.has_left, &mut self.left, &mut **method, visit);
         })?;
-        // a state that is not one is to be refused, if it is that with which the run goes on
+        // a state that is not one is to be refused, if it is that with which the run goes on; a method of one's own may have led to it
         let is_state = check_deviation(self.system.deviation(&self.left)).is_ok();
-        self.has_left &= self.start.is_finite() && is_state;
+        self.is_own = self.has_left && (is_state || self.scheme.is_none());
+        self.has_left = self.is_own && self.start.is_finite();
         Ok(())
     }
 
@@ -313,6 +316,9 @@ impl Stepper {
     /// Whether steps can start from a state from elsewhere.
     fn check(&self, state: &[f64]) -> Result<(), StepError> {
         check_length(state, self.left.len())?;
+        if self.is_own && self.is_left(state) {
+            return Ok(());
+        }
         check_deviation(self.system.deviation(state))
     }
 
@@ -335,7 +341,7 @@ impl Stepper {
     fn arrive(&mut self, outcome: Counted<f64>) -> Result<StepReport, StepError> {
         let Advanced { iterations, residual, .. } = outcome.map_err(|failure| failure.first())?;
         core::mem::swap(&mut self.left, &mut self.next);
-        self.has_left = true;
+        (self.has_left, self.is_own) = (true, true);
         self.taken += 1;
         // of the only lane
         Ok(StepReport { iterations: iterations.iter().sum(), residual })
@@ -385,8 +391,13 @@ impl Stepper {
     }
 
     fn is_left_at(&self, state: &[f64]) -> bool {
+        self.has_left && self.is_left(state)
+    }
+
+    /// Whether a state is the one that the last step led to.
+    fn is_left(&self, state: &[f64]) -> bool {
         let differences = self.left.iter().zip(state).map(|(a, b)| a.to_bits() ^ b.to_bits());
-        self.has_left && state.len() == self.left.len() && differences.fold(0, |all, bits| all | bits) == 0
+        state.len() == self.left.len() && differences.fold(0, |all, bits| all | bits) == 0
     }
 }
 

@@ -14,6 +14,7 @@ use crate::ensemble::members::{Builder, Member, Members};
 use crate::ensemble::{EnsembleError, Instructions};
 use crate::error::{ParameterError, StepError};
 use crate::flat::{Flat, Method, NotGenerated, array};
+use crate::legendre::LegendreError;
 use crate::retraction::RetractionKind;
 use crate::scalar::Batch;
 use crate::scheme::{Base, Rule};
@@ -54,6 +55,12 @@ pub trait Geometry {
     fn validate(&self) -> Result<(), ParameterError>;
     /// [`State::deviation`](crate::State::deviation)
     fn deviation(&self, state: &[f64]) -> f64;
+    /// The state with the velocity that stands in `state` in the places of momenta: see
+    /// [`System::momentum_of`](crate::System::momentum_of).
+    ///
+    /// # Errors
+    /// As there.
+    fn with_velocity(&self, state: &[f64], time: f64, control: &[f64]) -> Result<Vec<f64>, LegendreError>;
     /// [`System::energy_at`](crate::System::energy_at)
     fn energy(&self, state: &[f64], time: f64, control: &[f64]) -> f64;
     /// [`System::casimirs`](crate::System::casimirs)
@@ -108,6 +115,12 @@ impl<S: system::Geometry<Scalar = f64>> Geometry for S {
         state_of::<S>(state).deviation()
     }
 
+    fn with_velocity(&self, state: &[f64], time: f64, control: &[f64]) -> Result<Vec<f64>, LegendreError> {
+        let state = state_of::<S>(state);
+        let momentum = self.momentum_of(&self.momentum(&state), &state, time, &control_of::<S>(control))?;
+        Ok(self.with_momentum(&state, &momentum).to_components().as_ref().to_vec())
+    }
+
     fn energy(&self, state: &[f64], time: f64, control: &[f64]) -> f64 {
         self.energy_at(&state_of::<S>(state), time, &control_of::<S>(control))
     }
@@ -136,7 +149,7 @@ impl<S: system::Geometry<Scalar = f64>> Geometry for S {
 /// A system with all that was generated for it, its type erased; any system over `f64` that the macro made is one, and nothing else can be.
 ///
 /// A `&dyn System` has, without an import, these calls on slices too, as [`system::System`] and [`system::Geometry`] have them on states:
-/// `description()`, `parameters()`, `validate()`, `deviation(state)`, `energy(state, time, control)`, `casimirs(state)`, `displace(state, map, by)`,
+/// `description()`, `parameters()`, `validate()`, `deviation(state)`, `with_velocity(state, time, control)`, `energy(state, time, control)`, `casimirs(state)`, `displace(state, map, by)`,
 /// `differential(state, time, control)`, `hamiltonian_vector(state, covector)`, `force(state, time, control)` and `motion(state, time, control)`; besides,
 /// `vector_field(state, time, control)`, the motion as the derivative of the stored numbers. Slices have the lengths of the system's arrays: what
 /// is missing counts as zero, what is too much does not count.

@@ -9,6 +9,7 @@ use coadjoint_app::setup::{Classical, Job, Method, Order, Retraction, check, sta
 use coadjoint_app::simulate::{Checkpoint, Sample, simulate};
 use coadjoint_systems::catalogue::CATALOGUE;
 
+use crate::cli::{Scratch, table};
 use crate::is_asked_for;
 
 /// The largest energy error relative to the energy that steps of order 2 may make.
@@ -24,7 +25,7 @@ fn examine(name: &str) {
     let entry = CATALOGUE.find(name).expect("it is there");
     let setup = entry.example.clone();
     let run = |method, retraction, order| -> ConservationReport {
-        let job = Job { method, retraction, order, step: entry.step, steps: 500 };
+        let job = Job { method, retraction, order, step: entry.step, steps: 500, rest: 0.0 };
         let mut conservation = None;
         let mut samples = 0;
         let report = simulate(entry, &setup, &job, None, &EVERY, &mut |sample| {
@@ -73,15 +74,57 @@ fn examine(name: &str) {
         (Method::Classical(Classical::Rkmk4), Order::Two),
     ] {
         if is_asked_for(entry, method) {
-            comes_to_the_same(entry, &Job { method, retraction, order, step: entry.step, steps: 60 });
+            comes_to_the_same(
+                entry,
+                &Job { method, retraction, order, step: entry.step, steps: 60, rest: 0.25 * entry.step },
+            );
         }
     }
+    every_command_runs(entry);
     if entry.has_right_lift() {
         // what it carries is the momentum in space
         let (method, order) = (Method::RightLift, Order::Two);
-        let job = Job { method, retraction: Retraction::Exponential, order, step: entry.step, steps: 60 };
+        let job = Job {
+            method,
+            retraction: Retraction::Exponential,
+            order,
+            step: entry.step,
+            steps: 60,
+            rest: 0.0,
+        };
         comes_to_the_same(entry, &job);
     }
+}
+
+/// Each command takes each system as it stands in the catalogue.
+fn every_command_runs(entry: &Entry) {
+    let (name, scratch) = (&entry.name[..], Scratch::new(&format!("commands-{}", entry.name)));
+    let duration = (4.5 * entry.step).to_string();
+    let short = ["--duration", &duration];
+    scratch.prints(&[&["run", name, "--every", "3", "--columns", "velocity"], &short[..]].concat());
+    let file = scratch.files("out").pop().expect("a trajectory");
+    let path = scratch.path(&format!("out/{file}"));
+    let again = scratch.prints(&["run", "--again", &path.to_string_lossy(), "--out", "again"]);
+    assert!(again.contains("trajectory: "), "{again}");
+    let csv = scratch.read(&format!("out/{file}"));
+    assert_eq!(csv, scratch.read(&format!("again/{file}")));
+    // a header of names that differ, then numbers alone, as NumPy reads them
+    let (header, rows) = table(&csv);
+    assert!(header.iter().enumerate().all(|(k, column)| !header[..k].contains(column)), "{header:?}");
+    assert!(header.iter().all(|column| column.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_')));
+    assert!(rows.iter().all(|row| row.len() == header.len()), "{csv}");
+    let times: Vec<f64> = rows.iter().map(|row| row[0]).collect();
+    assert_eq!(times, [0.0, 3.0 * entry.step, duration.parse().expect("a number")]);
+
+    scratch.prints(&["init", name]);
+    let config = format!("{name}.toml");
+    scratch.prints(&[&["run", "--config", &config, "--out", "described"], &short[..]].concat());
+    scratch.prints(&[&["view", name], &short[..]].concat());
+    scratch.prints(&[&["ensemble", name, "--members", "9"], &short[..]].concat());
+    scratch.prints(
+        &[&["run", name, "--scan", &format!("step={0},{1}", entry.step, 0.5 * entry.step)], &short[..]]
+            .concat(),
+    );
 }
 
 /// A run that is interrupted and gone on with, twice, comes to the last bit to where one that was not does, and sees the same.
@@ -100,10 +143,10 @@ fn comes_to_the_same(entry: &Entry, job: &Job) {
         simulate(entry, &setup, job, from, &EVERY, watch).expect("solvable");
         (seen, checkpoint)
     };
-    let (whole, _) = run(None, job.steps);
+    let (whole, _) = run(None, job.total());
     let (mut pieces, first) = run(None, 1);
     let (second, middle) = run(Some(&first), 37);
-    let (third, _) = run(Some(&middle), job.steps);
+    let (third, _) = run(Some(&middle), job.total());
     for piece in [second, third] {
         // the sample it resumes from was recorded before
         assert_eq!(pieces.last(), piece.first(), "{}, {job:?}", entry.name);
@@ -119,8 +162,14 @@ fn compositions_need_symmetric_steps() {
         for method in
             [Method::EulerA, Method::EulerB, Method::TangentLift(0, 1), Method::Classical(Classical::Gauss4)]
         {
-            let job =
-                Job { method, retraction: Retraction::Cayley, order: Order::Four, step: 0.01, steps: 1 };
+            let job = Job {
+                method,
+                retraction: Retraction::Cayley,
+                order: Order::Four,
+                step: 0.01,
+                steps: 1,
+                rest: 0.0,
+            };
             let ran = simulate(entry, &setup, &job, None, &EVERY, &mut |_| ControlFlow::Continue(()));
             let error = ran.expect_err("not symmetric");
             let message = error.to_string();

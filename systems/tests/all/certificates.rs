@@ -1,5 +1,7 @@
 //! What the schemes claim, measured on every system of the catalogue.
 
+use coadjoint::prelude::*;
+use coadjoint_app::Example;
 use coadjoint_app::setup::{Method, Retraction};
 use coadjoint_app::simulate::{certify, states_in_motion};
 use coadjoint_systems::catalogue::CATALOGUE;
@@ -31,6 +33,41 @@ fn every_claim_holds(name: &str) {
     // of ten certificates or more
     let all = methods.len() * retractions.len();
     assert!(reports == all && measured >= 10 * all, "{name}: {measured} certificates in {reports} reports");
+}
+
+/// A charge as fast as a tenth of light in a magnetic field, by its Lagrangian: there are no velocities beyond that of light.
+#[lie_poisson_system(
+    group = R3,
+    lagrangian = {
+        let v = velocity;
+        -mass * light * light * (1.0 - v.dot(&v) / (light * light)).sqrt()
+            + charge * 0.5 * field.dot(&position.cross(&v))
+    },
+)]
+struct FastCharge {
+    mass: f64,
+    light: f64,
+    charge: f64,
+    field: Vector3<f64>,
+}
+
+impl Example for FastCharge {
+    fn example() -> (Self, FastChargeState) {
+        let system = Self { mass: 1.0, light: 1.0, charge: 1.0, field: vector![0.0, 0.0, 2.0] };
+        let position = vector![0.1, 0.2, 0.3];
+        let at_rest = FastChargeState { position, momentum: Vector3::zeros() };
+        let start = system.with_velocity(&at_rest, &vector![0.95, 0.1, -0.2]).expect("slower than light");
+        (system, start)
+    }
+}
+
+#[test]
+fn probes_stay_where_the_energy_is_defined() {
+    let entry = FastCharge::entry();
+    for retraction in [Retraction::Exponential, Retraction::Cayley] {
+        let report = certify(&entry, &entry.example, Method::Standard, retraction).expect("measured");
+        assert!(report.passed(), "{report}");
+    }
 }
 
 /// What rests shows nothing: a quadrotor in hover is certified where it moves.

@@ -19,7 +19,7 @@ use nalgebra::Vector6;
 
 /// The states of a run, the initial one included.
 fn states(entry: &Entry, setup: &Setup, method: Method, (step, steps): (f64, u64)) -> Vec<Vec<f64>> {
-    let job = Job { method, retraction: Retraction::Exponential, order: Order::Two, step, steps };
+    let job = Job { method, retraction: Retraction::Exponential, order: Order::Two, step, steps, rest: 0.0 };
     let mut states = Vec::new();
     simulate(entry, setup, &job, None, &|index| index + 1, &mut |sample| {
         states.push(sample.state.to_vec());
@@ -100,7 +100,14 @@ fn classical_methods_have_their_orders_on_every_kind_of_system() {
         let setup = entry.example.clone();
         let reference = {
             let (method, retraction) = (Method::Standard, Retraction::Exponential);
-            let job = Job { method, retraction, order: Order::Eight, step: duration / 400.0, steps: 400 };
+            let job = Job {
+                method,
+                retraction,
+                order: Order::Eight,
+                step: duration / 400.0,
+                steps: 400,
+                rest: 0.0,
+            };
             let mut last = Vec::new();
             let mut observe = |sample: &Sample<'_>| {
                 last = sample.state.to_vec();
@@ -198,7 +205,8 @@ fn the_right_lift_takes_the_steps_of_symplectic_euler() {
     }
     let error = {
         let (entry, method) = (CATALOGUE.find("heavy_top").expect("it is there"), Method::RightLift);
-        let job = Job { method, retraction: Retraction::Cayley, order: Order::Two, step: 0.1, steps: 1 };
+        let job =
+            Job { method, retraction: Retraction::Cayley, order: Order::Two, step: 0.1, steps: 1, rest: 0.0 };
         let ignore = &mut |_: &Sample<'_>| ControlFlow::Continue(());
         simulate(entry, &entry.example, &job, None, &|_| u64::MAX, ignore).expect_err("gravity acts")
     };
@@ -222,8 +230,14 @@ fn members_of_the_family_and_the_tangent_lift_have_their_orders() {
             .map(|count: u64| distance(&end(entry, &setup, method, (1.3 / count as f64, count)), &exact));
         let measured = (errors[1] / errors[2]).log2();
         assert!((measured - order).abs() < 0.1, "{name}, {method}: {errors:?}");
-        let job =
-            Job { method, retraction: Retraction::Exponential, order: Order::Two, step: 0.01, steps: 1 };
+        let job = Job {
+            method,
+            retraction: Retraction::Exponential,
+            order: Order::Two,
+            step: 0.01,
+            steps: 1,
+            rest: 0.0,
+        };
         assert_eq!(f64::from(job.order_of_step(entry)), order, "{name}, {method}");
     }
 }

@@ -13,10 +13,10 @@ use std::process::{Command, Output, Stdio};
 use serde_json::Value;
 
 /// A directory of its own for a test, removed afterwards.
-struct Scratch(PathBuf);
+pub(crate) struct Scratch(PathBuf);
 
 impl Scratch {
-    fn new(test: &str) -> Self {
+    pub(crate) fn new(test: &str) -> Self {
         let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{test}-{}", std::process::id()));
         fs::create_dir_all(&path).expect("a writable target directory");
         Self(path)
@@ -33,14 +33,14 @@ impl Scratch {
     }
 
     /// Runs the program, which must succeed, and gives what it printed.
-    fn prints(&self, arguments: &[&str]) -> String {
+    pub(crate) fn prints(&self, arguments: &[&str]) -> String {
         let output = self.coadjoint(arguments);
         assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
         text(&output.stdout)
     }
 
     /// A file whose name may go on with a checksum of the run's settings, the newest of them.
-    fn path(&self, path: &str) -> PathBuf {
+    pub(crate) fn path(&self, path: &str) -> PathBuf {
         let path = self.0.join(path);
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let directory = path.parent().expect("in here");
@@ -50,13 +50,13 @@ impl Scratch {
         newest.map_or(path, |entry| entry.path())
     }
 
-    fn read(&self, path: &str) -> String {
+    pub(crate) fn read(&self, path: &str) -> String {
         fs::read_to_string(self.path(path)).expect(path)
     }
 
     /// The names of the files in a directory, hidden ones too, but those that say what made the others, without checksums;
     /// none if it does not exist.
-    fn files(&self, directory: &str) -> Vec<String> {
+    pub(crate) fn files(&self, directory: &str) -> Vec<String> {
         let Ok(entries) = fs::read_dir(self.0.join(directory)) else { return Vec::new() };
         let mut names: Vec<_> = entries
             .map(|entry| without_checksum(&entry.expect("readable").file_name().to_string_lossy()))
@@ -96,7 +96,7 @@ fn text(bytes: &[u8]) -> String {
 }
 
 /// The header and the numbers of a CSV file.
-fn table(csv: &str) -> (Vec<&str>, Vec<Vec<f64>>) {
+pub(crate) fn table(csv: &str) -> (Vec<&str>, Vec<Vec<f64>>) {
     let mut lines = csv.lines();
     let header = lines.next().expect("a header").split(',').collect();
     let rows = lines.map(|line| line.split(',').map(|field| field.parse().expect("a number")).collect());

@@ -65,6 +65,7 @@ mod classical;
 mod cli;
 mod conservation;
 mod groups;
+mod hostile;
 mod physics;
 mod textbooks;
 mod three_levels;

@@ -6,12 +6,25 @@ pub(crate) mod plotted;
 pub(crate) mod quantities;
 pub mod suggest;
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 pub use entry::{ControlLaw, Entry, Setup};
 pub use quantities::{component_name, component_unit, unit};
 
 use crate::error::SetupError;
+
+/// The program that has the systems, and its version: what it writes names them.
+static PROGRAM: OnceLock<[&str; 2]> = OnceLock::new();
+
+/// Names the program and its version.
+pub(crate) fn program() -> [&'static str; 2] {
+    *PROGRAM.get().unwrap_or(&["coadjoint", env!("CARGO_PKG_VERSION")])
+}
+
+/// Sets the name of the program and its version, once.
+pub(crate) fn set_program(name: &'static str, version: &'static str) {
+    let _ = PROGRAM.set([name, version]);
+}
 
 /// The systems of a program, in the order in which they are listed.
 #[derive(Clone, Debug)]

@@ -2,6 +2,12 @@
 
 /// The candidate closest to a misspelt `name`, if any is close.
 pub fn closest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    /// Nothing that is longer is a misspelling.
+    const LONGEST: usize = 200;
+
+    if name.len() > LONGEST {
+        return None;
+    }
     candidates
         .into_iter()
         .map(|candidate| (strsim::jaro_winkler(&name.to_lowercase(), candidate), candidate))
@@ -26,6 +32,7 @@ mod tests {
         assert_eq!(closest("Wieght", names), Some("weight"));
         assert_eq!(closest("chix", names), Some("chi_x"));
         assert_eq!(closest("temperature", names), None);
+        assert_eq!(closest(&"inertia".repeat(100_000), names), None);
         assert_eq!(did_you_mean("wait", names), "; did you mean `weight`?");
         assert_eq!(did_you_mean("zzz", names), "");
     }

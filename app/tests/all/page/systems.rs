@@ -79,6 +79,7 @@ impl Asked {
             order: Order::Two,
             step,
             steps,
+            rest: 0.0,
         };
         let plan = Plan {
             system: self.0.name.clone(),
@@ -86,6 +87,7 @@ impl Asked {
             job,
             watch: true,
             every: 1,
+            columns: Vec::new(),
             format: None,
             plot: false,
             html: Some(html.to_owned()),

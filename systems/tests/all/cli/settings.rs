@@ -109,15 +109,84 @@ fn an_impossible_body_is_noted_but_run() {
 #[test]
 fn a_negative_step_goes_back() {
     let scratch = Scratch::new("back");
-    scratch.prints(&["run", "heavy_top", "--duration", "1", "--step", "-0.01", "--every", "100"]);
-    let csv = scratch.read("out/heavy_top-exponential.csv");
-    assert_eq!(table(&csv).1.iter().map(|row| row[0]).collect::<Vec<_>>(), [0.0, -1.0]);
+    for step in ["-0.01", "-1e-2"] {
+        scratch.prints(&["run", "heavy_top", "--duration", "1", "--step", step, "--every", "100"]);
+        let csv = scratch.read("out/heavy_top-exponential.csv");
+        assert_eq!(table(&csv).1.iter().map(|row| row[0]).collect::<Vec<_>>(), [0.0, -1.0]);
+    }
 }
 
 #[test]
-fn a_duration_that_is_no_whole_number_of_steps_is_noted() {
-    let printed = Scratch::new("fraction").prints(&["run", "heavy_top", "--duration", "1.004"]);
-    assert!(printed.contains("note: 1.004 s are not a whole number of steps of 0.01 s"), "{printed}");
+fn a_run_ends_where_it_should() {
+    let scratch = Scratch::new("fraction");
+    let end = |more: &[&str]| {
+        let run = ["run", "heavy_top", "--duration", "1.004", "--every", "1000", "--format", "json"];
+        let printed = scratch.prints(&[&run[..], more].concat());
+        let json: Value =
+            serde_json::from_str(&scratch.read("out/heavy_top-exponential.json")).expect("JSON");
+        let numbers = json["rows"][1].as_array().expect("two rows").iter();
+        (numbers.map(|x| x.as_f64().expect("a number")).collect::<Vec<f64>>(), printed)
+    };
+    let (last, printed) = end(&[]);
+    let words = printed.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(words.contains("not a whole number of steps of 0.01 s: the last step is 0.004 s"), "{printed}");
+    assert_eq!(last[0], 1.004);
+    // so accurate that the step makes no difference
+    let ((last, _), (fine, printed)) = (end(&["--order", "8"]), end(&["--order", "8", "--step", "0.004"]));
+    assert!(!printed.contains("whole number"), "{printed}");
+    let difference = last.iter().zip(&fine).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(difference < 1e-11, "{difference:e}");
+}
+
+/// What a run says of its error is what it is: the end is compared with that of steps of a higher order.
+#[test]
+fn the_error_of_a_trajectory_is_estimated() {
+    let scratch = Scratch::new("estimate");
+    let run = |more: &[&str]| {
+        let run = ["run", "heavy_top", "--duration", "10", "--json", "--every", "1000"];
+        let told = scratch.prints(&[&run[..], more].concat());
+        let (_, rows) = table(&scratch.read("out/heavy_top-exponential.csv"));
+        (serde_json::from_str::<Value>(&told).expect("JSON"), rows.into_iter().next_back().expect("rows"))
+    };
+    let (told, end) = run(&[]);
+    let estimate = &told["error_estimate"];
+    assert_eq!((&estimate["time"], &estimate["quantity"]), (&10.0.into(), &"attitude".into()), "{told}");
+    let stated = estimate["distance"].as_f64().expect("a number");
+    let beside = scratch.path("out/heavy_top-exponential.csv").with_extension("run.json");
+    let beside = fs::read_to_string(beside).expect("it is there");
+    assert!(
+        beside.contains("trajectory: error of about") && beside.contains("rad of attitude after 10 s"),
+        "{beside}"
+    );
+    scratch.prints(&["run", "heavy_top", "--duration", "10", "--order", "8", "--every", "1000"]);
+    let (_, rows) = table(&scratch.read("out/heavy_top-order8-exponential.csv"));
+    let norm = |numbers: &[f64]| numbers.iter().map(|x| x * x).sum::<f64>().sqrt();
+    // the angle between two attitudes
+    let apart: Vec<f64> = end[1..5].iter().zip(&rows[1][1..5]).map(|(a, b)| a - b).collect();
+    let right = 4.0 * (0.5 * norm(&apart)).asin();
+    // half the step leaves a quarter of it
+    assert!((stated / right - 0.75).abs() < 0.05, "{stated:e} for {right:e}");
+    // as a scan of the step has it
+    let scan =
+        scratch.prints(&["run", "heavy_top", "--duration", "10", "--scan", "step=0.01,0.005", "--json"]);
+    let scan: Value = serde_json::from_str(&scan).expect("JSON");
+    assert_eq!(scan["runs"][0]["difference"]["distance"], estimate["distance"]);
+    assert_eq!(scan["runs"][1]["difference"]["distance"], 0.0);
+}
+
+/// A rotor that turns by η = 0.6283 rad a step counts as 1/(1 + η²/4) of its momentum.
+#[test]
+fn a_turn_that_the_cayley_map_slows_is_noted() {
+    let scratch = Scratch::new("slowed");
+    let run = |more: &[&str]| {
+        let fast =
+            ["run", "gyrostat", "--set", "rotor_momentum=31.4159", "--set", "attitude_momentum=1,35,2"];
+        scratch.prints(&[&fast[..], &["--step", "0.001", "--duration", "0.1"], more].concat())
+    };
+    let printed = run(&["--retraction", "cayley"]);
+    let words = printed.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(words.contains("counts as 91.0 % of its momentum: take `--retraction exponential`"), "{printed}");
+    assert!(!run(&[]).contains("counts as"));
 }
 
 #[test]

@@ -59,11 +59,19 @@ pub(crate) fn paper(
     let mut summaries = Vec::new();
     let mut written = Vec::new();
     for retraction in Retraction::COMMON {
-        let job = Job { method: Method::Standard, retraction, order: Order::Two, step: STEP, steps: STEPS };
+        let job = Job {
+            method: Method::Standard,
+            retraction,
+            order: Order::Two,
+            step: STEP,
+            steps: STEPS,
+            rest: 0.0,
+        };
         let plan = Plan {
             system: SYSTEM.to_owned(),
             setup: setup.clone(),
             job,
+            columns: Vec::new(),
             every: EVERY,
             watch: true,
             format: Some(Format::Csv),

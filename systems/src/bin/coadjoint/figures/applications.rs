@@ -341,7 +341,7 @@ pub(crate) fn estimate_caption(data: &Data) -> Caption {
             "."
         ],
         paragraph![
-            "The first seconds, with errors up to ",
+            "The first seconds, with components of the errors up to ",
             measured(attitude),
             "° and ",
             measured(momentum),

@@ -90,7 +90,7 @@ impl Steps {
     }
 }
 
-/// The power of the step with which the energy error grows, over the smallest steps.
+/// The power of the step with which the largest energy error grows, over the smallest steps.
 pub(crate) fn growth(errors: Curve<'_>) -> f64 {
     match errors.points().get(..6) {
         Some([first, .., last]) => (last.1 / first.1).ln() / (last.0 / first.0).ln(),
@@ -131,8 +131,8 @@ pub(crate) fn caption(data: &Data) -> Caption {
             " is made of five. RKMK4, rings, is on RK4."
         ],
         paragraph![
-            "RK4's energy error after this time grows like h to the power ",
-            with_places(growth(energy(RK4)), 1),
+            "Over the six smallest steps RK4's largest energy error grows like h to the power ",
+            with_places(growth(energy(RK4)), 0),
             ". Our Casimir errors are roundoff with every step."
         ],
     ];
