@@ -29,7 +29,7 @@ pub(crate) struct RunArguments {
         value_name = "FILE",
         conflicts_with_all = [
             "system", "config", "retraction", "method", "order", "set", "step", "duration", "every",
-            "watch_every_step", "format", "plot", "scan"
+            "watch_every_step", "format", "plot", "quantity", "scan"
         ]
     )]
     pub(crate) again: Option<PathBuf>,
@@ -68,7 +68,7 @@ pub(crate) struct RunArguments {
     #[arg(
         long,
         value_name = "NAME=VALUES",
-        conflicts_with_all = ["plot", "html", "checkpoint", "format", "every", "watch_every_step"]
+        conflicts_with_all = ["plot", "html", "checkpoint", "format", "every", "quantity", "watch_every_step"]
     )]
     pub(crate) scan: Vec<String>,
     #[command(flatten)]
@@ -156,6 +156,7 @@ fn planned(motion: &Motion<'_>, chosen: &ChosenRun) -> Plan {
         setup: motion.setup.clone(),
         job: motion.job,
         every: 1,
+        quantity: chosen.quantity.clone(),
         watch: true,
         format: None,
         plot: false,
@@ -255,8 +256,8 @@ fn again(
 }
 
 /// Reports a run.
-fn report(done: FinishedRun<'_>, checkpoint: Option<&Path>, console: &mut Console<'_>) -> Result<(), Error> {
-    let FinishedRun { entry, plan, summary, written, interrupted, notes } = done;
+fn report(done: FinishedRun, checkpoint: Option<&Path>, console: &mut Console<'_>) -> Result<(), Error> {
+    let FinishedRun { ref entry, plan, summary, written, interrupted, notes } = done;
     notes.into_iter().try_for_each(|note| console.note(note))?;
     let time_per_step = if interrupted { None } else { time_per_step(entry, &plan.setup, &plan.job)? };
     let end = summary.conservation.time;

@@ -22,7 +22,7 @@ use crate::files::{
 use crate::page::{PageHeading, page};
 use crate::picture::{Kind, run_figure};
 use crate::record::{Curves, PageRecorder, Recorders};
-use crate::setup::{Format, Job, Setup};
+use crate::setup::{Format, Job, Setup, observable};
 use crate::simulate::{Checkpoint, Sample, simulate};
 
 /// Reading the clock costs more than a step: it is read once in this many.
@@ -39,6 +39,8 @@ pub struct Plan {
     pub job: Job,
     /// Steps between two rows.
     pub every: u64,
+    /// Quantities of a user's own, as expressions.
+    pub quantity: Vec<String>,
     /// Whether every step is looked at, whatever is written.
     pub watch: bool,
     /// The format of the trajectory; none writes none.
@@ -62,7 +64,8 @@ impl Plan {
     pub fn provenance(&self, entry: &Entry) -> Provenance {
         // where every step is written, every step is looked at
         let watch = self.watch && self.every != 1;
-        Provenance { watch, ..Provenance::of_run(entry, &self.setup, &self.job, self.every) }
+        let quantity = self.quantity.clone();
+        Provenance { watch, quantity, ..Provenance::of_run(entry, &self.setup, &self.job, self.every) }
     }
 }
 
@@ -85,8 +88,8 @@ struct Saved<P = Plan, R = Recorders> {
 }
 
 /// A run in progress.
-pub struct Session<'e> {
-    entry: &'e Entry,
+pub struct Session {
+    entry: Entry,
     system: Arc<dyn erased::System>,
     plan: Plan,
     files: RunFiles,
@@ -108,9 +111,9 @@ enum Rows {
 
 /// A finished or interrupted run.
 #[derive(Debug)]
-pub struct FinishedRun<'e> {
+pub struct FinishedRun {
     /// Its system.
-    pub entry: &'e Entry,
+    pub entry: Entry,
     /// Its plan.
     pub plan: Plan,
     /// The findings of the steps since it was started or resumed; none is timed.
@@ -123,22 +126,20 @@ pub struct FinishedRun<'e> {
     pub notes: Vec<String>,
 }
 
-impl<'e> Session<'e> {
+impl Session {
     /// Starts a run; with a checkpoint file, one that can be resumed later. All its files are looked at first: none
     /// takes the place of another.
     ///
     /// # Errors
     /// If that is not so, or a file cannot be written.
-    pub fn begin(entry: &'e Entry, plan: Plan, checkpoint: Option<&Path>) -> Result<Self, Error> {
+    pub fn begin(entry: &Entry, plan: Plan, checkpoint: Option<&Path>) -> Result<Self, Error> {
         // before there is a file that a signal could leave behind
         interrupt::listen();
+        let entry = &observed(entry, &plan)?;
         let (files, guard) = claimed(entry, &plan, checkpoint)?;
         let Job { step, steps, .. } = plan.job;
-        let recorders = Recorders {
-            curves: plan.plot.then(|| Curves::new(entry, (step, steps))),
-            page: plan.html.is_some().then(|| PageRecorder::new(entry, steps)),
-            ..Recorders::default()
-        };
+        let curves = plan.plot.then(|| Curves::new(entry, (step, steps)));
+        let recorders = Recorders::of(curves, plan.html.is_some().then(|| PageRecorder::new(steps)));
         let rows = match (checkpoint, &files.trajectory) {
             (Some(path), _) => {
                 let saved = saved(entry, &plan, &recorders, None);
@@ -150,7 +151,7 @@ impl<'e> Session<'e> {
             (None, None) => Rows::Discarded,
         };
         let system = entry.system(&plan.setup.parameters);
-        Ok(Self { entry, system, plan, files, guard, recorders, rows, from: None })
+        Ok(Self { entry: entry.clone(), system, plan, files, guard, recorders, rows, from: None })
     }
 
     /// Resumes a run from its checkpoint.
@@ -158,7 +159,7 @@ impl<'e> Session<'e> {
     /// # Errors
     /// If it is in use, is not what was written, is of other steps than those taken here, or a file of the run cannot be
     /// written.
-    pub fn resume(catalogue: &'e Catalogue, path: &Path) -> Result<Self, Error> {
+    pub fn resume(catalogue: &Catalogue, path: &Path) -> Result<Self, Error> {
         interrupt::listen();
         let (store, saved) = CheckpointStore::open::<Saved>(path)?;
         let Saved { plan, recorders, checkpoint: from, version } = saved;
@@ -169,9 +170,19 @@ impl<'e> Session<'e> {
                         last digits: use that version, or start again";
             return Err(FileError::damaged(path, what).into());
         }
+        let entry = &observed(entry, &plan)?;
         let (files, guard) = claimed(entry, &plan, Some(path))?;
         let system = entry.system(&plan.setup.parameters);
-        Ok(Self { entry, system, plan, files, guard, recorders, rows: Rows::Checkpoint(store), from })
+        Ok(Self {
+            entry: entry.clone(),
+            system,
+            plan,
+            files,
+            guard,
+            recorders,
+            rows: Rows::Checkpoint(store),
+            from,
+        })
     }
 
     /// Tells whether the trajectory goes to standard output.
@@ -183,7 +194,7 @@ impl<'e> Session<'e> {
     ///
     /// # Errors
     /// If a step cannot be taken, or a file not be written.
-    pub fn run(mut self, console: &Console<'_>) -> Result<FinishedRun<'e>, Error> {
+    pub fn run(mut self, console: &Console<'_>) -> Result<FinishedRun, Error> {
         let mut progress = console.progress(&self.entry.name, self.plan.job.steps, "step");
         let report = self.simulate(&mut progress)?;
         drop(progress);
@@ -192,7 +203,7 @@ impl<'e> Session<'e> {
 
     /// Takes the steps and records them.
     fn simulate(&mut self, progress: &mut Progress) -> Result<RunReport, Error> {
-        let (entry, from) = (self.entry, self.from.take());
+        let (entry, from) = (self.entry.clone(), self.from.take());
         let (setup, job) = (self.plan.setup.clone(), self.plan.job);
         let pause = Duration::try_from_secs_f64(self.plan.pause).unwrap_or_default();
         let mut saved = Instant::now();
@@ -205,7 +216,7 @@ impl<'e> Session<'e> {
             let after = |interval: u64| (index / interval + 1).saturating_mul(interval);
             after(interval).min(after(INTERVAL))
         };
-        let simulated = simulate(entry, &setup, &job, from.as_ref(), &next, &mut |sample| {
+        let simulated = simulate(&entry, &setup, &job, from.as_ref(), &next, &mut |sample| {
             let is_due = sample.index.is_multiple_of(INTERVAL);
             if is_due {
                 progress.show(sample.index);
@@ -236,13 +247,12 @@ impl<'e> Session<'e> {
     }
 
     fn push(&mut self, sample: &Sample<'_>) -> Result<(), Error> {
-        self.recorders.push(self.entry, &*self.system, sample);
+        self.recorders.push(&self.entry, &*self.system, sample);
         if sample.index.is_multiple_of(self.plan.every) {
-            let row = || [&[sample.time], sample.state, &[sample.energy]].concat();
             match &mut self.rows {
                 Rows::Discarded => {}
-                Rows::File(trajectory) => trajectory.row(&row())?,
-                Rows::Checkpoint(store) => store.row(&row())?,
+                Rows::File(trajectory) => trajectory.row(&sample.row(&self.entry))?,
+                Rows::Checkpoint(store) => store.row(&sample.row(&self.entry))?,
             }
         }
         Ok(())
@@ -251,13 +261,13 @@ impl<'e> Session<'e> {
     fn save(&mut self, sample: &Sample<'_>) -> Result<(), Error> {
         if let Rows::Checkpoint(store) = &mut self.rows {
             let checkpoint = Some(Checkpoint::at(sample));
-            store.save(&saved(self.entry, &self.plan, &self.recorders, checkpoint))?;
+            store.save(&saved(&self.entry, &self.plan, &self.recorders, checkpoint))?;
         }
         Ok(())
     }
 
     /// Writes the trajectory, the pictures and the page.
-    fn write(self, report: RunReport) -> Result<FinishedRun<'e>, Error> {
+    fn write(self, report: RunReport) -> Result<FinishedRun, Error> {
         let Self { entry, plan, files, guard, mut recorders, rows, .. } = self;
         let Some(conservation) = recorders.conservation.take() else {
             return Err(SetupError::new("the run has no samples").into());
@@ -267,17 +277,17 @@ impl<'e> Session<'e> {
         let mut store = None;
         match (rows, &files.trajectory) {
             (Rows::File(trajectory), _) => {
-                contents.push(trajectory.finish(entry, &conservation, interrupted)?)
+                contents.push(trajectory.finish(&entry, &conservation, interrupted)?)
             }
             (Rows::Checkpoint(mut rows), Some((format, path))) => {
-                let mut trajectory = TrajectoryWriter::create(path, *format, entry, guard.origin())?;
+                let mut trajectory = TrajectoryWriter::create(path, *format, &entry, guard.origin())?;
                 rows.replay(|row| trajectory.row(row))?;
-                contents.push(trajectory.finish(entry, &conservation, interrupted)?);
+                contents.push(trajectory.finish(&entry, &conservation, interrupted)?);
                 store = Some(rows);
             }
             _ => {}
         }
-        contents.extend(shown(entry, &plan, &recorders, &files)?);
+        contents.extend(shown(&entry, &plan, &recorders, &files)?);
         let status = interrupted.map_or(Status::Complete, Status::Interrupted);
         let Written { files: written, kept } = guard.put(contents, status)?;
         if let (Some(store), None) = (store, interrupted) {
@@ -289,6 +299,18 @@ impl<'e> Session<'e> {
         let summary = RunSummary { job: plan.job, report, conservation, off_group, time_per_step: None };
         Ok(FinishedRun { entry, plan, summary, written, interrupted: interrupted.is_some(), notes })
     }
+}
+
+/// Adds the quantities asked for to those of the system.
+fn observed(entry: &Entry, plan: &Plan) -> Result<Entry, SetupError> {
+    let own = plan.quantity.iter().map(|text| observable(entry, text)).collect::<Result<Vec<_>, _>>()?;
+    let is_known = |column: &&String| own.iter().any(|own| own.name == **column);
+    if let Some(name) = entry.columns().iter().find(is_known) {
+        return Err(SetupError::new(format!(
+            "`{name}` is a column already: name it otherwise, as in `own = {name}`"
+        )));
+    }
+    Ok(entry.clone().with_observables(own))
 }
 
 /// Lists the files of a run, looked at before it starts, and what guards them.
@@ -340,8 +362,8 @@ fn shown(
     let Plan { setup, job, .. } = plan;
     let mut shown = Vec::new();
     if let (Some(recorder), Some(path)) = (&recorders.page, &plan.html) {
-        let (title, parameters, law) = (job.title(entry), &setup.parameters[..], entry.law(setup));
-        let heading = PageHeading { title, parameters, step: job.step, steps: job.steps, law };
+        let (title, parameters) = (job.title(entry), &setup.parameters[..]);
+        let heading = PageHeading { title, parameters, step: job.step, steps: job.steps };
         let html = page(recorder, entry, &heading).to_html();
         shown.push((path.clone(), NewFile::with(path, html.as_bytes())?));
     }
@@ -380,17 +402,14 @@ mod tests {
             step: 0.01,
             steps: 10,
         };
-        let recorders = Recorders {
-            curves: Some(Curves::new(entry, (0.01, 10))),
-            page: Some(PageRecorder::new(entry, 10)),
-            ..Recorders::default()
-        };
+        let recorders = Recorders::of(Some(Curves::new(entry, (0.01, 10))), Some(PageRecorder::new(10)));
         let checkpoint = Some(Checkpoint { state: setup.state.clone(), memory: Vec::new() });
         let plan = Plan {
             system: of.to_owned(),
             setup,
             job,
             every: 1,
+            quantity: Vec::new(),
             watch: true,
             format: None,
             plot: true,

@@ -56,6 +56,9 @@ pub struct Provenance {
     /// Whether errors are followed at every step between them.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub watch: bool,
+    /// Quantities of a user's own, as the command line takes them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub quantity: Vec<String>,
     /// The differences between members of an ensemble.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ensemble: Option<Members>,
@@ -106,6 +109,7 @@ impl Provenance {
             steps: job.steps,
             every,
             watch: false,
+            quantity: Vec::new(),
             ensemble: None,
             scan: Vec::new(),
             assignments: if *setup == entry.example { Vec::new() } else { assignments(entry, setup) },
@@ -124,7 +128,8 @@ impl Provenance {
         let mut option = |name: &str, value: &dyn std::fmt::Display| {
             let value = value.to_string();
             // one word for a shell
-            let quote = if value.contains(' ') { "'" } else { "" };
+            let is_plain = |letter: char| letter.is_alphanumeric() || "_-+=.,:/%".contains(letter);
+            let quote = if value.chars().all(is_plain) { "" } else { "'" };
             command += &format!(" --{name} {quote}{value}{quote}");
         };
         if let Some(retraction) = self.retraction {
@@ -142,6 +147,7 @@ impl Provenance {
         if self.every != 1 {
             option("every", &self.every);
         }
+        self.quantity.iter().for_each(|quantity| option("quantity", quantity));
         self.scan.iter().for_each(|scan| option("scan", scan));
         self.assignments.iter().for_each(|assignment| option("set", assignment));
         if self.watch {

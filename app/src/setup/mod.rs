@@ -3,6 +3,7 @@
 
 mod assign;
 pub(crate) mod config;
+mod expression;
 mod method;
 mod names;
 pub mod random;
@@ -18,6 +19,7 @@ use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 pub(crate) use assign::{Changes, assignments};
+pub(crate) use expression::observable;
 pub(crate) use method::MethodParser;
 pub use method::{Classical, Method};
 pub(crate) use names::Names;

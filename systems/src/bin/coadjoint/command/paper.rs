@@ -65,6 +65,7 @@ pub(crate) fn paper(
             setup: setup.clone(),
             job,
             every: EVERY,
+            quantity: Vec::new(),
             watch: true,
             format: Some(Format::Csv),
             plot: false,
