@@ -74,10 +74,10 @@ pub mod cli;
 #[cfg(all(test, feature = "program"))]
 mod tests;
 
-pub use catalogue::{Example, shape};
+pub use catalogue::{Example, Observables, shape};
 #[cfg(feature = "program")]
 pub use {
-    catalogue::{Catalogue, Entry},
+    catalogue::{Catalogue, Entry, Observable},
     clap,
     cli::App,
     error::Error,

@@ -63,6 +63,7 @@ impl Example for Gyrostat {
         let all =
             Matrix3::from_diagonal(&self.inertia) + self.rotor_inertia * self.axis * self.axis.transpose();
         let rotor = Solid::new(Shape::Disc { radius: 1.0, thickness: 0.2 }).along(self.axis).of_any_size();
-        by_state.named(0, "body").solid(0, Solid::of_inertia(&all)).mount(1, 0, self.axis).solid(1, rotor)
+        let scene = by_state.named(0, "body").solid(0, Solid::of_inertia(&all));
+        scene.mount(1, 0, Vector3::zeros(), self.axis).solid(1, rotor)
     }
 }

@@ -122,6 +122,8 @@ impl Example for SatelliteWithWheels {
             Solid::new(Shape::Disc { radius: 0.4, thickness: 0.1 }).along(axis).at(axis * 1.3)
         };
         let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
-        (1..).zip(axes).fold(scene, |scene, (k, axis)| scene.mount(k, 0, axis).solid(k, wheel(axis)))
+        (1..)
+            .zip(axes)
+            .fold(scene, |scene, (k, axis)| scene.mount(k, 0, Vector3::zeros(), axis).solid(k, wheel(axis)))
     }
 }

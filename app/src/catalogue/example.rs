@@ -38,6 +38,13 @@ pub trait Example:
         Self::Control::default()
     }
 
+    /// Lists quantities of its own, which tables, plots, pages and ensembles show beside the state.
+    ///
+    /// `own.with("height", "m", |pendulum, state, _time, _control| -pendulum.length * state.angle.cos_angle())`
+    fn observables(own: Observables<Self>) -> Observables<Self> {
+        own
+    }
+
     /// The moment of inertia, if the system is a body of mass: not every positive definite matrix belongs to one.
     fn body_inertia(&self) -> Option<Matrix3<f64>> {
         None
@@ -53,5 +60,38 @@ pub trait Example:
     #[cfg(feature = "program")]
     fn entry() -> super::Entry {
         super::Entry::of::<Self>()
+    }
+}
+
+/// A function of a system, its state, the time and the controls.
+type ObservableFn<S> = dyn Fn(&S, &<S as System>::State, f64, &<S as System>::Control) -> f64 + Send + Sync;
+
+/// Quantities of a system's own: [`Example::observables`].
+#[must_use]
+pub struct Observables<S: System>(pub(crate) Vec<(&'static str, &'static str, Box<ObservableFn<S>>)>);
+
+impl<S: System> Observables<S> {
+    /// Adds a quantity of this name, unit and value, by the system, its state, the time and the controls. The name is
+    /// that of a column, as `pointing_error`; the unit of a pure number is empty.
+    pub fn with(
+        mut self,
+        name: &'static str,
+        unit: &'static str,
+        value: impl Fn(&S, &S::State, f64, &S::Control) -> f64 + Send + Sync + 'static,
+    ) -> Self {
+        self.0.push((name, unit, Box::new(value)));
+        self
+    }
+}
+
+impl<S: System> Default for Observables<S> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl<S: System> std::fmt::Debug for Observables<S> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_list().entries(self.0.iter().map(|(name, unit, _)| (name, unit))).finish()
     }
 }

@@ -6,6 +6,6 @@ pub mod shape;
 #[cfg(feature = "program")]
 mod systems;
 
-pub use example::Example;
+pub use example::{Example, Observables};
 #[cfg(feature = "program")]
 pub use systems::*;

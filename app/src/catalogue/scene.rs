@@ -3,7 +3,9 @@
 //! Each system has a scene by its state alone; its [`Example::scene`](crate::Example::scene) adds what only it knows.
 //!
 //! Motion in a plane is shown upright: the plane's first axis leads to the right, its second one up. So a pendulum
-//! whose angle is counted from its lowest position hangs down, and swings about a horizontal axis.
+//! whose angle is counted from its lowest position hangs down, and swings about a horizontal axis. What floats or glides
+//! [lies](Scene::lying). Bodies [hang](Scene::hang) from others, turn about an axis of them ([`mount`](Scene::mount)), or
+//! [slide](Scene::slide) along one.
 //!
 //! ```
 //! use coadjoint::prelude::*;
@@ -79,17 +81,28 @@ pub enum Source {
     /// A quantity of the state: a rotation, a position, or a rigid motion. The plane of a rotation in it stands
     /// upright.
     Quantity(String),
+    /// The same in a plane that lies.
+    Lying(String),
     /// A rotation in the plane, about this axis.
     About(String, [f64; 3]),
+    /// One coordinate, along this axis.
+    Along(String, [f64; 3]),
     /// A configuration that is a matrix, and the point that it takes there.
     Carried(String, Vec<f64>),
 }
 
 impl Source {
+    /// Whether its plane lies.
+    #[cfg(feature = "program")]
+    pub(crate) fn is_lying(&self) -> bool {
+        matches!(self, Self::Lying(_))
+    }
+
     /// The quantity.
     pub(crate) fn quantity(&self) -> &str {
         match self {
-            Self::Quantity(name) | Self::About(name, _) | Self::Carried(name, _) => name,
+            Self::Quantity(name) | Self::Lying(name) => name,
+            Self::About(name, _) | Self::Along(name, _) | Self::Carried(name, _) => name,
         }
     }
 }
@@ -360,14 +373,42 @@ impl Scene {
         self.changed(body, |body| Body { mount: Some((from, point.into(), false)), ..body })
     }
 
-    /// Mounts a body that turns about an axis of another one, relative to it.
-    pub fn mount(self, body: usize, on: usize, axis: Vector3<f64>) -> Self {
+    /// Mounts a body on a hinge at a point of another one, m: it turns about this axis of that one, relative to it. In
+    /// that one's origin, as a wheel, it leaves no trace.
+    pub fn mount(self, body: usize, on: usize, point: Vector3<f64>, axis: Vector3<f64>) -> Self {
         self.changed(body, |body| Body {
-            mount: Some((on, [0.0; 3], true)),
-            rotation: body.rotation.map(|source| Source::About(source.quantity().to_owned(), axis.into())),
-            trail: Some(Trail::Shown(false)),
+            mount: Some((on, point.into(), true)),
+            trail: if point == Vector3::zeros() { Some(Trail::Shown(false)) } else { body.trail },
             ..body
         })
+        .about(body, axis)
+    }
+
+    /// Lets a body of one coordinate slide along an axis of another one, from a point of that one on, m.
+    pub fn slide(self, body: usize, on: usize, point: Vector3<f64>, axis: Vector3<f64>) -> Self {
+        let along = |source: Source| Source::Along(source.quantity().to_owned(), axis.into());
+        self.changed(body, |body| Body {
+            mount: Some((on, point.into(), true)),
+            position: body.position.map(along),
+            ..body
+        })
+    }
+
+    /// Lays down the plane in which a body moves, with its arrows: a ship, a puck. Its first axis leads to the right, its
+    /// second one away, and it turns about the vertical.
+    pub fn lying(self, body: usize) -> Self {
+        let lying = |source: Source| Source::Lying(source.quantity().to_owned());
+        self.changed(body, |body| Body {
+            rotation: body.rotation.map(lying),
+            position: body.position.map(lying),
+            ..body
+        })
+    }
+
+    /// Turns a body, whose rotation is in the plane, about this axis.
+    pub fn about(self, body: usize, axis: Vector3<f64>) -> Self {
+        let about = |source: Source| Source::About(source.quantity().to_owned(), axis.into());
+        self.changed(body, |body| Body { rotation: body.rotation.map(about), ..body })
     }
 
     /// Hides the axes of a body.

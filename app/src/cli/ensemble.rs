@@ -12,16 +12,15 @@ use serde_json::{Value, json};
 use super::console::{Console, OutputMode};
 use super::interrupt;
 use super::motion::{Motion, MotionArguments, SchemeArguments, check_scheme};
-use crate::catalogue::quantities::{Component, components};
-use crate::catalogue::suggest::did_you_mean;
-use crate::catalogue::{Catalogue, Entry};
+use crate::catalogue::quantities::components;
+use crate::catalogue::{Catalogue, Entry, Observable};
 use crate::error::{Error, RunError, SetupError};
 use crate::files::{
     FileOrigin, Members, NewFile, OverwriteGuard, PlannedFile, Provenance, Status, file_in, is_stdout, table,
 };
 use crate::picture::{Kind, ensemble_figure};
-use crate::setup::{Changes, Job, Setup};
-use crate::simulate::ensemble::{self, EnsembleSpec, EnsembleSummary, Observable, Variation};
+use crate::setup::{Changes, Job, Setup, observable};
+use crate::simulate::ensemble::{self, EnsembleSpec, EnsembleSummary, Variation};
 use crate::simulate::threads;
 use crate::units::{grouped, short};
 
@@ -48,8 +47,11 @@ pub(crate) struct EnsembleArguments {
     pub(crate) scheme: SchemeArguments,
     #[command(flatten)]
     pub(crate) motion: MotionArguments,
-    /// `energy` or a component of the state [default: the momentum]
-    #[arg(long, value_name = "NAME")]
+    /// A quantity to show: `energy`, `gamma.norm()` [default: the momentum]
+    ///
+    /// Expressions are those of descriptions, by the names of state, parameters, controls and the time `t`; before them
+    /// a name and a unit may stand: `'height, m = gamma.dot(&chi)'`.
+    #[arg(long, value_name = "EXPRESSION")]
     pub(crate) quantity: Vec<String>,
     /// Look at the members after every N-th step [default: 300 times]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
@@ -122,8 +124,7 @@ fn execute(
         progress.show(index);
         if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    let observables: Vec<Observable> = named.iter().map(|(_, observable)| *observable).collect();
-    let summary = ensemble::run(entry, setup, &spec, &observables, &mut go_on)?;
+    let summary = ensemble::run(entry, setup, &spec, &named, &mut go_on)?;
     drop(progress);
     let (contents, status) = contents(entry, &spec, &named, &summary, &paths)?;
     let written = guard.put(contents, status)?;
@@ -163,7 +164,7 @@ fn spec(motion: &Motion<'_>, asked: &Members, every: u64) -> Result<EnsembleSpec
 fn contents(
     entry: &Entry,
     spec: &EnsembleSpec,
-    named: &[(String, Observable)],
+    named: &[Observable],
     summary: &EnsembleSummary,
     paths: &[PathBuf],
 ) -> Result<(Vec<(PathBuf, NewFile)>, Status), Error> {
@@ -186,31 +187,23 @@ fn contents(
     Ok((contents, status))
 }
 
-/// The observables asked for, with their names.
-fn observables(entry: &Entry, asked: &[String]) -> Result<Vec<(String, Observable)>, SetupError> {
-    let of = |component: Component| (component.name, Observable::State(component.slot));
-    let state = || components(entry.description.state);
-    if asked.is_empty() {
-        let momenta = state().filter(|component| component.quantity.role == Role::Momentum);
-        return Ok(momenta.take(MOST).map(of).collect());
+/// Reads the quantities asked for.
+fn observables(entry: &Entry, asked: &[String]) -> Result<Vec<Observable>, SetupError> {
+    if !asked.is_empty() {
+        return asked.iter().map(|text| observable(entry, text)).collect();
     }
-    let all: Vec<_> =
-        std::iter::once(("energy".to_owned(), Observable::Energy)).chain(state().map(of)).collect();
-    let find = |name: &String| {
-        all.iter().find(|(known, _)| known == name).cloned().ok_or_else(|| {
-            let names: Vec<&str> = all.iter().map(|(known, _)| known.as_str()).collect();
-            let hint = did_you_mean(name, names.iter().copied());
-            SetupError::new(format!("`{}` has no quantity `{name}`{hint} ({})", entry.name, names.join(", ")))
-        })
-    };
-    asked.iter().map(find).collect()
+    let momenta = components(entry.description.state)
+        .filter(|component| component.quantity.role == Role::Momentum)
+        .take(MOST)
+        .map(|component| observable(entry, &component.name));
+    momenta.chain(entry.observables.iter().cloned().map(Ok)).collect()
 }
 
 /// Time and, for each quantity, how many members, mean, deviation and quantiles.
-fn records(named: &[(String, Observable)], summary: &EnsembleSummary) -> Vec<Vec<String>> {
+fn records(named: &[Observable], summary: &EnsembleSummary) -> Vec<Vec<String>> {
     const COLUMNS: [&str; 10] =
         ["members", "mean", "deviation", "min", "q05", "q25", "median", "q75", "q95", "max"];
-    let columns = named.iter().flat_map(|(name, _)| COLUMNS.map(|column| format!("{name}_{column}")));
+    let columns = named.iter().flat_map(|own| COLUMNS.map(|column| format!("{}_{column}", own.name)));
     let header: Vec<String> = std::iter::once("time".to_owned()).chain(columns).collect();
     let samples = summary.spreads.first().map_or(0, Vec::len);
     let record = |sample: usize| {
@@ -266,7 +259,7 @@ fn object(
     entry: &Entry,
     setup: &Setup,
     spec: &EnsembleSpec,
-    named: &[(String, Observable)],
+    named: &[Observable],
     summary: &EnsembleSummary,
 ) -> Value {
     let mut object = Value::Object(Provenance::of_run(entry, setup, &spec.job, spec.every).fields());
@@ -277,7 +270,9 @@ fn object(
         object["drawn"][&drawn.name] =
             json!({ "min": drawn.range.0, "max": drawn.range.1, "unit": drawn.unit });
     }
-    for ((name, _), last) in named.iter().zip(summary.spreads.iter().map(|spreads| spreads.last())) {
+    for (Observable { name, .. }, last) in
+        named.iter().zip(summary.spreads.iter().map(|spreads| spreads.last()))
+    {
         object["end"][name] = last.map_or(Value::Null, |last| {
             json!({
                 "time": last.time, "members": last.members, "mean": last.mean, "deviation": last.deviation,

@@ -24,6 +24,12 @@ pub(crate) struct ChosenRun {
     pub(crate) scheme: SchemeArguments,
     #[command(flatten)]
     pub(crate) motion: MotionArguments,
+    /// A quantity of your own, to be shown: `momentum.norm()`
+    ///
+    /// Expressions are those of descriptions, by the names of state, parameters, controls, the time `t` and `energy`;
+    /// before them a name and a unit may stand: `'height, m = gamma.dot(&chi)'`.
+    #[arg(long, value_name = "EXPRESSION")]
+    pub(crate) quantity: Vec<String>,
 }
 
 /// The arguments that choose steps.

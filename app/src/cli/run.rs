@@ -29,7 +29,7 @@ pub(crate) struct RunArguments {
         value_name = "FILE",
         conflicts_with_all = [
             "system", "config", "retraction", "method", "order", "set", "step", "duration", "every",
-            "columns", "watch_every_step", "format", "plot", "scan"
+            "columns", "watch_every_step", "format", "plot", "quantity", "scan"
         ]
     )]
     pub(crate) again: Option<PathBuf>,
@@ -76,7 +76,7 @@ pub(crate) struct RunArguments {
     #[arg(
         long,
         value_name = "NAME=VALUES",
-        conflicts_with_all = ["plot", "html", "checkpoint", "format", "every", "columns", "watch_every_step"]
+        conflicts_with_all = ["plot", "html", "checkpoint", "format", "every", "columns", "quantity", "watch_every_step"]
     )]
     pub(crate) scan: Vec<String>,
     #[command(flatten)]
@@ -166,6 +166,7 @@ fn planned(motion: &Motion<'_>, chosen: &ChosenRun) -> Plan {
         job: motion.job,
         every: 1,
         columns: Vec::new(),
+        quantity: chosen.quantity.clone(),
         watch: true,
         format: None,
         plot: false,
@@ -265,8 +266,8 @@ fn again(
 }
 
 /// Reports a run.
-fn report(done: FinishedRun<'_>, checkpoint: Option<&Path>, console: &mut Console<'_>) -> Result<(), Error> {
-    let FinishedRun { entry, plan, summary, written, interrupted, notes } = done;
+fn report(done: FinishedRun, checkpoint: Option<&Path>, console: &mut Console<'_>) -> Result<(), Error> {
+    let FinishedRun { ref entry, plan, summary, written, interrupted, notes } = done;
     notes.into_iter().try_for_each(|note| console.note(note))?;
     let time_per_step = if interrupted { None } else { time_per_step(entry, &plan.setup, &plan.job)? };
     let end = summary.conservation.time;

@@ -13,6 +13,7 @@ use super::motion::{Motion, MotionArguments};
 use super::report::laid_out;
 use super::run::RunArguments;
 use crate::catalogue::Entry;
+use crate::catalogue::quantities::components;
 use crate::error::Error;
 use crate::files::{OverwriteGuard, PlannedFile, Provenance, by_name, file_in, invariants, is_stdout, table};
 use crate::setup::Scan;
@@ -135,9 +136,7 @@ fn records(entry: &Entry, scans: &[Scan], rows: &[ScanRow]) -> Vec<Vec<String>> 
     let is_step = scans.iter().any(|scan| scan.is_step);
     header.extend(is_step.then(|| "difference of end state".to_owned()));
     header.extend(["seconds", "iterations per step", "ns per step"].map(str::to_owned));
-    let columns = entry.columns();
-    let ends = &columns[1..columns.len() - 1];
-    header.extend(ends.iter().map(|column| format!("end {column}")));
+    header.extend(components(entry.description.state).map(|component| format!("end {}", component.name)));
     header.push("failure".to_owned());
     let record = |row: &ScanRow| {
         let mut record: Vec<String> = row.values.iter().map(|value| format!("{value:?}")).collect();

@@ -13,7 +13,7 @@ use super::console::Console;
 use super::interrupt;
 use super::progress::Progress;
 use super::report::RunSummary;
-use crate::catalogue::{Catalogue, ControlLaw, Entry};
+use crate::catalogue::{Catalogue, Entry};
 use crate::error::{Error, FileError, SetupError};
 use crate::files::{
     CheckpointStore, NewFile, OverwriteGuard, PlannedFile, Provenance, Status, TrajectoryWriter, Written,
@@ -22,7 +22,7 @@ use crate::files::{
 use crate::page::{PageHeading, page};
 use crate::picture::{Kind, run_figure};
 use crate::record::{Curves, PageRecorder, Recorders};
-use crate::setup::{Column, Format, Job, Setup};
+use crate::setup::{Column, Format, Job, Setup, observable};
 use crate::simulate::{
     Checkpoint, ErrorEstimate, Sample, conserves_energy, error_estimate, simulate, slowed,
 };
@@ -43,6 +43,8 @@ pub struct Plan {
     pub every: u64,
     /// Further columns of the trajectory.
     pub columns: Vec<Column>,
+    /// Quantities of a user's own, as expressions.
+    pub quantity: Vec<String>,
     /// Whether every step is looked at, whatever is written.
     pub watch: bool,
     /// The format of the trajectory; none writes none.
@@ -66,8 +68,13 @@ impl Plan {
     pub fn provenance(&self, entry: &Entry) -> Provenance {
         // where every step is written, every step is looked at
         let watch = self.watch && self.every != 1;
-        let columns = self.columns.clone();
-        Provenance { watch, columns, ..Provenance::of_run(entry, &self.setup, &self.job, self.every) }
+        let (columns, quantity) = (self.columns.clone(), self.quantity.clone());
+        Provenance {
+            watch,
+            columns,
+            quantity,
+            ..Provenance::of_run(entry, &self.setup, &self.job, self.every)
+        }
     }
 
     /// Names the columns of the trajectory.
@@ -97,8 +104,8 @@ struct Saved<P = Plan, R = Recorders> {
 }
 
 /// A run in progress.
-pub struct Session<'e> {
-    entry: &'e Entry,
+pub struct Session {
+    entry: Entry,
     system: Arc<dyn erased::System>,
     plan: Plan,
     files: RunFiles,
@@ -106,7 +113,6 @@ pub struct Session<'e> {
     recorders: Recorders,
     rows: Rows,
     from: Option<Checkpoint>,
-    law: Option<ControlLaw>,
     /// The last sample's state.
     end: Vec<f64>,
 }
@@ -123,9 +129,9 @@ enum Rows {
 
 /// A finished or interrupted run.
 #[derive(Debug)]
-pub struct FinishedRun<'e> {
+pub struct FinishedRun {
     /// Its system.
-    pub entry: &'e Entry,
+    pub entry: Entry,
     /// Its plan.
     pub plan: Plan,
     /// The findings of the steps since it was started or resumed; none is timed.
@@ -138,23 +144,21 @@ pub struct FinishedRun<'e> {
     pub notes: Vec<String>,
 }
 
-impl<'e> Session<'e> {
+impl Session {
     /// Starts a run; with a checkpoint file, one that can be resumed later. All its files are looked at first: none
     /// takes the place of another.
     ///
     /// # Errors
     /// If that is not so, or a file cannot be written.
-    pub fn begin(entry: &'e Entry, plan: Plan, checkpoint: Option<&Path>) -> Result<Self, Error> {
+    pub fn begin(entry: &Entry, plan: Plan, checkpoint: Option<&Path>) -> Result<Self, Error> {
         // before there is a file that a signal could leave behind
         interrupt::listen();
+        let entry = &observed(entry, &plan)?;
         let columns = plan.columns(entry)?;
         let (files, guard) = claimed(entry, &plan, checkpoint)?;
         let (step, steps) = (plan.job.step, plan.job.total());
-        let recorders = Recorders {
-            curves: plan.plot.then(|| Curves::new(entry, (step, steps))),
-            page: plan.html.is_some().then(|| PageRecorder::new(entry, steps)),
-            ..Recorders::default()
-        };
+        let curves = plan.plot.then(|| Curves::new(entry, (step, steps)));
+        let recorders = Recorders::of(curves, plan.html.is_some().then(|| PageRecorder::new(steps)));
         let rows = match (checkpoint, &files.trajectory) {
             (Some(path), _) => {
                 let saved = saved(entry, &plan, &recorders, None);
@@ -166,8 +170,8 @@ impl<'e> Session<'e> {
             (None, None) => Rows::Discarded,
         };
         let system = entry.system(&plan.setup.parameters);
-        let (law, end) = (entry.law(&plan.setup), plan.setup.state.clone());
-        Ok(Self { entry, system, plan, files, guard, recorders, rows, from: None, law, end })
+        let (entry, end) = (entry.clone(), plan.setup.state.clone());
+        Ok(Self { entry, system, plan, files, guard, recorders, rows, from: None, end })
     }
 
     /// Resumes a run from its checkpoint.
@@ -175,7 +179,7 @@ impl<'e> Session<'e> {
     /// # Errors
     /// If it is in use, is not what was written, is of other steps than those taken here, or a file of the run cannot be
     /// written.
-    pub fn resume(catalogue: &'e Catalogue, path: &Path) -> Result<Self, Error> {
+    pub fn resume(catalogue: &Catalogue, path: &Path) -> Result<Self, Error> {
         interrupt::listen();
         let (store, saved) = CheckpointStore::open::<Saved>(path)?;
         let Saved { plan, recorders, checkpoint: from, version } = saved;
@@ -186,11 +190,12 @@ impl<'e> Session<'e> {
                         last digits: use that version, or start again";
             return Err(FileError::damaged(path, what).into());
         }
+        let entry = &observed(entry, &plan)?;
         let (files, guard) = claimed(entry, &plan, Some(path))?;
         let system = entry.system(&plan.setup.parameters);
-        let (law, end) = (entry.law(&plan.setup), plan.setup.state.clone());
+        let (entry, end) = (entry.clone(), plan.setup.state.clone());
         let rows = Rows::Checkpoint(store);
-        Ok(Self { entry, system, plan, files, guard, recorders, rows, from, law, end })
+        Ok(Self { entry, system, plan, files, guard, recorders, rows, from, end })
     }
 
     /// Tells whether the trajectory goes to standard output.
@@ -202,7 +207,7 @@ impl<'e> Session<'e> {
     ///
     /// # Errors
     /// If a step cannot be taken, or a file not be written.
-    pub fn run(mut self, console: &Console<'_>) -> Result<FinishedRun<'e>, Error> {
+    pub fn run(mut self, console: &Console<'_>) -> Result<FinishedRun, Error> {
         let mut progress = console.progress(&self.entry.name, self.plan.job.total(), "step");
         let report = self.simulate(&mut progress)?;
         drop(progress);
@@ -211,7 +216,7 @@ impl<'e> Session<'e> {
 
     /// Takes the steps and records them.
     fn simulate(&mut self, progress: &mut Progress) -> Result<RunReport, Error> {
-        let (entry, from) = (self.entry, self.from.take());
+        let (entry, from) = (self.entry.clone(), self.from.take());
         let (setup, job) = (self.plan.setup.clone(), self.plan.job);
         let pause = Duration::try_from_secs_f64(self.plan.pause).unwrap_or_default();
         let mut saved = Instant::now();
@@ -224,7 +229,7 @@ impl<'e> Session<'e> {
             let after = |interval: u64| (index / interval + 1).saturating_mul(interval);
             after(interval).min(after(INTERVAL))
         };
-        let simulated = simulate(entry, &setup, &job, from.as_ref(), &next, &mut |sample| {
+        let simulated = simulate(&entry, &setup, &job, from.as_ref(), &next, &mut |sample| {
             let is_due = sample.index.is_multiple_of(INTERVAL);
             if is_due {
                 progress.show(sample.index);
@@ -258,15 +263,13 @@ impl<'e> Session<'e> {
     }
 
     fn push(&mut self, sample: &Sample<'_>) -> Result<(), Error> {
-        self.recorders.push(self.entry, &*self.system, sample);
-        let &Sample { index, time, state, energy, .. } = sample;
-        if index.is_multiple_of(self.plan.every) || index == self.plan.job.total() {
+        self.recorders.push(&self.entry, &*self.system, sample);
+        if sample.index.is_multiple_of(self.plan.every) || sample.index == self.plan.job.total() {
             let row = || {
-                let mut row = [&[time], state, &[energy]].concat();
-                let law = self.law.as_ref().filter(|_| !self.plan.columns.is_empty());
-                let control = law.map(|law| self.entry.chosen(law, (state, time))).unwrap_or_default();
+                let mut row = sample.row(&self.entry);
+                let (state, controls) = (sample.state, &sample.numbers[sample.state.len()..]);
                 for column in &self.plan.columns {
-                    column.push((self.entry, &*self.system), (state, time, &control), &mut row);
+                    column.push((&self.entry, &*self.system), (state, sample.time, controls), &mut row);
                 }
                 row
             };
@@ -282,13 +285,13 @@ impl<'e> Session<'e> {
     fn save(&mut self, sample: &Sample<'_>) -> Result<(), Error> {
         if let Rows::Checkpoint(store) = &mut self.rows {
             let checkpoint = Some(Checkpoint::at(sample));
-            store.save(&saved(self.entry, &self.plan, &self.recorders, checkpoint))?;
+            store.save(&saved(&self.entry, &self.plan, &self.recorders, checkpoint))?;
         }
         Ok(())
     }
 
     /// Writes the trajectory, the pictures and the page.
-    fn write(self, report: RunReport) -> Result<FinishedRun<'e>, Error> {
+    fn write(self, report: RunReport) -> Result<FinishedRun, Error> {
         let Self { entry, plan, files, guard, mut recorders, rows, end, .. } = self;
         let Some(conservation) = recorders.conservation.take() else {
             return Err(SetupError::new("the run has no samples").into());
@@ -298,21 +301,21 @@ impl<'e> Session<'e> {
         let mut store = None;
         match (rows, &files.trajectory) {
             (Rows::File(trajectory), _) => {
-                contents.push(trajectory.finish(entry, &conservation, interrupted)?)
+                contents.push(trajectory.finish(&entry, &conservation, interrupted)?)
             }
             (Rows::Checkpoint(mut rows), Some((format, path))) => {
-                let columns = plan.columns(entry)?;
+                let columns = plan.columns(&entry)?;
                 let mut trajectory = TrajectoryWriter::create(path, *format, columns, guard.origin())?;
                 rows.replay(|row| trajectory.row(row))?;
-                contents.push(trajectory.finish(entry, &conservation, interrupted)?);
+                contents.push(trajectory.finish(&entry, &conservation, interrupted)?);
                 store = Some(rows);
             }
             _ => {}
         }
-        contents.extend(shown(entry, &plan, &recorders, &files)?);
+        contents.extend(shown(&entry, &plan, &recorders, &files)?);
         let status = interrupted.map_or(Status::Complete, Status::Interrupted);
         let estimate = match interrupted {
-            None => error_estimate(entry, &plan.setup, &plan.job)?,
+            None => error_estimate(&entry, &plan.setup, &plan.job)?,
             Some(_) => None,
         };
         let guard = guard.with_error_estimate(estimate.as_ref().map(ErrorEstimate::words));
@@ -320,11 +323,11 @@ impl<'e> Session<'e> {
         if let (Some(store), None) = (store, interrupted) {
             store.remove();
         }
-        let slowed = slowed(entry, &plan.setup, &plan.job, (conservation.time, &end));
+        let slowed = slowed(&entry, &plan.setup, &plan.job, (conservation.time, &end));
         let kept = kept.iter().map(|path| format!("{} holds the whole run, and stays", path.display()));
         let notes = kept.chain(slowed).collect();
         let off_group = recorders.off_group;
-        let conserves_energy = conserves_energy(entry, &plan.setup, (conservation.time, &end));
+        let conserves_energy = conserves_energy(&entry, &plan.setup, (conservation.time, &end));
         let summary = RunSummary {
             job: plan.job,
             report,
@@ -336,6 +339,18 @@ impl<'e> Session<'e> {
         };
         Ok(FinishedRun { entry, plan, summary, written, interrupted: interrupted.is_some(), notes })
     }
+}
+
+/// Adds the quantities asked for to those of the system.
+fn observed(entry: &Entry, plan: &Plan) -> Result<Entry, SetupError> {
+    let own = plan.quantity.iter().map(|text| observable(entry, text)).collect::<Result<Vec<_>, _>>()?;
+    let is_known = |column: &&String| own.iter().any(|own| own.name == **column);
+    if let Some(name) = entry.columns().iter().find(is_known) {
+        return Err(SetupError::new(format!(
+            "`{name}` is a column already: name it otherwise, as in `own = {name}`"
+        )));
+    }
+    Ok(entry.clone().with_observables(own))
 }
 
 /// Lists the files of a run, looked at before it starts, and what guards them.
@@ -387,8 +402,8 @@ fn shown(
     let Plan { setup, job, .. } = plan;
     let mut shown = Vec::new();
     if let (Some(recorder), Some(path)) = (&recorders.page, &plan.html) {
-        let (title, parameters, law) = (job.title(entry), &setup.parameters[..], entry.law(setup));
-        let heading = PageHeading { title, parameters, step: job.step, steps: job.total(), law };
+        let (title, parameters) = (job.title(entry), &setup.parameters[..]);
+        let heading = PageHeading { title, parameters, step: job.step, steps: job.total() };
         let html = page(recorder, entry, &heading).to_html();
         shown.push((path.clone(), NewFile::with(path, html.as_bytes())?));
     }
@@ -428,11 +443,7 @@ mod tests {
             steps: 10,
             rest: 0.0,
         };
-        let recorders = Recorders {
-            curves: Some(Curves::new(entry, (0.01, 10))),
-            page: Some(PageRecorder::new(entry, 10)),
-            ..Recorders::default()
-        };
+        let recorders = Recorders::of(Some(Curves::new(entry, (0.01, 10))), Some(PageRecorder::new(10)));
         let checkpoint = Some(Checkpoint { state: setup.state.clone(), memory: Vec::new() });
         let plan = Plan {
             system: of.to_owned(),
@@ -440,6 +451,7 @@ mod tests {
             job,
             every: 1,
             columns: Vec::new(),
+            quantity: Vec::new(),
             watch: true,
             format: None,
             plot: true,

@@ -59,6 +59,9 @@ pub struct Provenance {
     /// Whether errors are followed at every step between them.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub watch: bool,
+    /// Quantities of a user's own, as the command line takes them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub quantity: Vec<String>,
     /// The differences between members of an ensemble.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ensemble: Option<Members>,
@@ -112,6 +115,7 @@ impl Provenance {
             every,
             columns: Vec::new(),
             watch: false,
+            quantity: Vec::new(),
             ensemble: None,
             scan: Vec::new(),
             assignments: if *setup == entry.example { Vec::new() } else { assignments(entry, setup) },
@@ -130,7 +134,8 @@ impl Provenance {
         let mut option = |name: &str, value: &dyn std::fmt::Display| {
             let value = value.to_string();
             // one word for a shell
-            let quote = if value.contains(' ') { "'" } else { "" };
+            let is_plain = |letter: char| letter.is_alphanumeric() || "_-+=.,:/%".contains(letter);
+            let quote = if value.chars().all(is_plain) { "" } else { "'" };
             command += &format!(" --{name} {quote}{value}{quote}");
         };
         if let Some(retraction) = self.retraction {
@@ -151,6 +156,7 @@ impl Provenance {
         if !self.columns.is_empty() {
             option("columns", &self.columns.iter().map(|column| column.name()).collect::<Vec<_>>().join(","));
         }
+        self.quantity.iter().for_each(|quantity| option("quantity", quantity));
         self.scan.iter().for_each(|scan| option("scan", scan));
         self.assignments.iter().for_each(|assignment| option("set", assignment));
         if self.watch {

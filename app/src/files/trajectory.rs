@@ -12,7 +12,7 @@ use crate::catalogue::{Entry, Example, Setup};
 use crate::error::{Error, SetupError};
 use crate::page::{Page, PageHeading, page};
 use crate::picture::{Figure, run_figure};
-use crate::record::{ConservationReport, Curves, PageRecorder, RecordedSample, Samples};
+use crate::record::{ConservationReport, Curves, PageRecorder, RecordedSample, Recorders, Sample, Samples};
 use crate::setup::Format;
 
 /// States of a system at times: of a stepper, a [`Record`](coadjoint::Record), a filter, measurements.
@@ -62,16 +62,18 @@ impl Trajectory {
         moments: impl IntoIterator<Item = (f64, S::State)>,
     ) -> Self {
         let erased: &dyn coadjoint::erased::System = system;
-        let entry = Entry::of::<S>();
+        // what acted on what was measured elsewhere is not known
+        let entry = Entry::of::<S>().without_controls();
         let law = entry.law(&Setup { parameters: erased.parameters(), ..entry.example.clone() });
         let sample = |(index, (time, state)): (u64, (f64, S::State))| {
             let state = state.to_components().as_ref().to_vec();
             let energy = entry.energy(erased, law.as_ref(), (&state, time));
-            RecordedSample { index, time, energy, casimirs: erased.casimirs(&state), state }
+            let (casimirs, angles) = (erased.casimirs(&state), Vec::new());
+            RecordedSample { index, time, numbers: state, energy, casimirs, angles }
         };
         let samples = Samples((0..).zip(moments).map(sample).collect());
-        let state =
-            samples.0.first().map_or_else(|| entry.example.state.clone(), |first| first.state.clone());
+        let first = samples.0.first().map(|first| first.numbers.clone());
+        let state = first.unwrap_or_else(|| entry.example.state.clone());
         let setup = Setup { parameters: erased.parameters(), state, ..entry.example.clone() };
         Self { entry, setup, scheme: scheme.to_owned(), samples }
     }
@@ -92,10 +94,13 @@ impl Trajectory {
         let origin = self.origin();
         let mut writer = TrajectoryWriter::create(path, format, self.entry.columns(), &origin)?;
         let mut conservation = ConservationReport::at(first.time, first.energy, &first.casimirs);
-        self.samples.replay(|sample| conservation.push(sample));
-        for RecordedSample { time, state, energy, .. } in &self.samples.0 {
-            writer.row(&[&[*time], &state[..], &[*energy]].concat())?;
-        }
+        let mut written = Ok(());
+        self.replay(|sample| {
+            conservation.push(sample);
+            written =
+                std::mem::replace(&mut written, Ok(())).and_then(|()| writer.row(&sample.row(&self.entry)));
+        });
+        written?;
         let file = writer.finish(&self.entry, &conservation, None)?;
         OverwriteGuard::new(origin, true).put(vec![file], Status::Complete)?;
         Ok(())
@@ -103,20 +108,29 @@ impl Trajectory {
 
     /// Draws what moves, and the errors of what is conserved, over time.
     pub fn plot(&self) -> Figure {
-        let mut curves = Curves::new(&self.entry, self.step());
-        self.samples.replay(|sample| curves.push(&self.entry, sample));
+        let recorded = self.recorded(Some(Curves::new(&self.entry, self.step())), None);
+        let curves = recorded.curves.unwrap_or_else(|| Curves::new(&self.entry, self.step()));
         run_figure(&curves, &self.entry, self.title())
     }
 
     /// Shows the motion in three dimensions, to be opened in a browser.
     pub fn page(&self) -> Page {
         let (step, steps) = self.step();
-        let mut recorder = PageRecorder::new(&self.entry, steps);
-        self.samples.replay(|sample| recorder.push(sample));
-        let parameters = &self.setup.parameters;
-        // what acted on what was measured elsewhere is not known
-        let heading = PageHeading { title: self.title(), parameters, step, steps, law: None };
+        let recorder = self.recorded(None, Some(PageRecorder::new(steps))).page.unwrap_or_default();
+        let heading = PageHeading { title: self.title(), parameters: &self.setup.parameters, step, steps };
         page(&recorder, &self.entry, &heading)
+    }
+
+    /// Shows all samples to these recorders.
+    fn recorded(&self, curves: Option<Curves>, page: Option<PageRecorder>) -> Recorders {
+        let mut recorders = Recorders::of(curves, page);
+        let system = self.entry.system(&self.setup.parameters);
+        self.replay(|sample| recorders.push(&self.entry, &*system, sample));
+        recorders
+    }
+
+    fn replay(&self, observe: impl FnMut(&Sample<'_>)) {
+        self.samples.replay(self.setup.state.len(), observe);
     }
 
     fn title(&self) -> String {

@@ -135,9 +135,9 @@ class Run {
     return pose ? point.applyQuaternion(pose.attitude).add(pose.place) : of ? null : point;
   }
 
-  /** An arrow's vector in space at the moment. */
-  vectorNow({ vector, frame, body }) {
-    const now = vector.now(), pose = frame === 'body' && this.bodies[body] ? this.pose(this.bodies[body]) : null;
+  /** An arrow's vector in space, at a sample or at the moment. */
+  vectorAt({ vector, frame, body }, k = null) {
+    const now = k === null ? vector.now() : vector.at(k), pose = frame === 'body' && this.bodies[body] ? this.pose(this.bodies[body], k) : null;
     return now && pose ? now.clone().applyQuaternion(pose.attitude) : now;
   }
 }

@@ -78,12 +78,15 @@ function setSpeed(option) {
   notice();
 }
 
+/** An angle in rad, and in turns where these are more than one. */
+const angleText = angle => `${short(angle, 2)} rad` + (angle > 2 * Math.PI ? ` (${short(angle / 2 / Math.PI, 2)} turns)` : '');
+
 /** Says so where the turning that is shown may not be the true one. */
 function notice() {
   const perFrame = rate * clock.speed / 60;
-  const words = turn > SEEN ? `This page keeps ${first.samples} moments, and between two of them a body turns by up to ${short(turn, 2)} rad: faster than can be `
-    + 'shown. The turning on the screen is not the true one; a shorter duration shows it.'
-    : perFrame > 1.5 * SEEN ? `At this speed a body turns by up to ${short(perFrame, 2)} rad from one frame to the next: play it slower to see how it turns.` : '';
+  const words = turn > SEEN ? `This page keeps ${first.samples} moments, and between two of them a body turns by up to ${angleText(turn)}: faster than can be `
+    + 'shown. The turning on the screen is not the true one; a shorter duration, or shorter steps, show it. The angles plotted are true.'
+    : perFrame > 1.5 * SEEN ? `At this speed a body turns by up to ${angleText(perFrame)} from one frame to the next: play it slower to see how it turns.` : '';
   Object.assign(byId('notice'), { textContent: words, hidden: !words });
 }
 
@@ -167,7 +170,7 @@ function sceneNow() {
       }),
       arrows: run.arrows.map(arrow => {
         const [from, to] = spaceScene.ends(arrow) ?? [];
-        return { name: arrow.name, unit: arrow.unit ?? '', vector: list(run.vectorNow(arrow)), from: list(from), to: list(to), screen: onScreen(to) };
+        return { name: arrow.name, unit: arrow.unit ?? '', vector: list(run.vectorAt(arrow)), from: list(from), to: list(to), screen: onScreen(to) };
       }),
       links: run.links.map(({ from, to }) => [list(run.point(from ?? {})), list(run.point(to ?? {}))]),
     })),

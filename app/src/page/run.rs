@@ -5,8 +5,8 @@ use coadjoint::system::{Quantity, Role};
 use super::format::{Detail, DetailValue, FORMAT, Page, Plot, Run, Scale, Series, Space};
 use crate::catalogue::plotted::PlottedQuantity;
 use crate::catalogue::quantities::by_key;
-use crate::catalogue::{ControlLaw, Entry, casimir, program, unit};
-use crate::record::{PageRecorder, PageSamples};
+use crate::catalogue::{Entry, casimir, program, unit};
+use crate::record::{PageRecorder, PageSamples, RecordedSample};
 use crate::scene::{self, Frames, rounded};
 
 /// The heading of a run's page.
@@ -17,15 +17,13 @@ pub(crate) struct PageHeading<'a> {
     /// s
     pub(crate) step: f64,
     pub(crate) steps: u64,
-    /// The control law, where it is known.
-    pub(crate) law: Option<ControlLaw>,
 }
 
 /// Builds the page of a run.
 pub(crate) fn page(recorder: &PageRecorder, entry: &Entry, heading: &PageHeading<'_>) -> Page {
     let samples = recorder.samples();
     let scene = scene::scene(entry, heading.parameters);
-    let frames = Frames::new(entry, &samples.kept, heading.law.as_ref());
+    let frames = Frames::new(entry, &samples.kept);
     let plots = Plots { entry, samples: &samples, states: &frames.states };
     let run = Run {
         name: heading.title.clone(),
@@ -81,14 +79,48 @@ struct Plots<'a> {
 impl Plots<'_> {
     /// Draws each quantity, and the errors of what is conserved.
     fn all(&self) -> Vec<Plot> {
-        let quantities = self.entry.plotted.all();
-        let mut plots: Vec<Plot> = quantities.iter().flat_map(|quantity| self.plots_of(quantity)).collect();
-        plots.extend(self.errors());
+        let plotted = &self.entry.plotted;
+        let quantities = plotted.all().iter().map(|quantity| {
+            let (name, place) =
+                plotted.array(quantity).unwrap_or_else(|| (quantity.name.clone(), String::new()));
+            (name, (place, quantity))
+        });
+        let groups = by_key(quantities);
+        let plots = groups.iter().flat_map(|(name, elements)| self.plots_of_array(name, elements));
+        plots.chain(self.errors()).collect()
+    }
+
+    /// Draws a quantity, or the elements of an array of this name: of many a plot for each component.
+    fn plots_of_array(&self, name: &str, elements: &[(String, &PlottedQuantity)]) -> Vec<Plot> {
+        if let [(_, quantity)] = elements {
+            return self.plots_of(quantity, name);
+        }
+        let of_elements: Vec<Vec<Plot>> =
+            elements.iter().map(|(_, quantity)| self.plots_of(quantity, name)).collect();
+        let mut plots = Vec::new();
+        for (k, plot) in of_elements.first().into_iter().flatten().enumerate() {
+            let count = plot.series.len();
+            if elements.len() < count {
+                plots.extend(elements.iter().zip(&of_elements).map(|((place, _), of)| Plot {
+                    name: format!("{}, {place}", of[k].name),
+                    ..of[k].clone()
+                }));
+                continue;
+            }
+            plots.extend((0..count).map(|component| {
+                let series = elements.iter().zip(&of_elements).map(|((place, _), of)| Series {
+                    name: place.clone(),
+                    ..of[k].series[component].clone()
+                });
+                let name = format!("{} {}", plot.name, plot.series[component].name);
+                Plot { name: name.trim_end().to_owned(), series: series.collect(), ..plot.clone() }
+            }));
+        }
         plots
     }
 
-    /// Draws a quantity.
-    fn plots_of(&self, quantity: &PlottedQuantity) -> Vec<Plot> {
+    /// Draws a quantity by this name.
+    fn plots_of(&self, quantity: &PlottedQuantity, name: &str) -> Vec<Plot> {
         let start = quantity.slots.start;
         let names: Vec<String> = match &quantity.components[..] {
             [_] => vec![String::new()],
@@ -97,11 +129,11 @@ impl Plots<'_> {
         let series = |places: &[usize]| -> Vec<Series> {
             places.iter().map(|&k| self.series(&names[k], |state| state[start + k])).collect()
         };
-        let title = if quantity.is_of_a_matrix { quantity.title() } else { quantity.name.clone() };
+        let title = if quantity.is_of_a_matrix { PlottedQuantity::title(name) } else { name.to_owned() };
         let plot = |part: &str, unit: &str, series| Plot {
             name: if part.is_empty() || part == title { title.clone() } else { format!("{title}, {part}") },
             unit: unit.to_owned(),
-            shown: quantity.role == Role::Momentum,
+            shown: matches!(quantity.role, None | Some(Role::Momentum)),
             series,
             ..Plot::default()
         };
@@ -109,19 +141,19 @@ impl Plots<'_> {
         match quantity.rotation {
             2 if names.len() == 2 => {
                 let part = if quantity.name.contains("angle") { "" } else { "angle" };
-                vec![plot(part, "rad", vec![self.angle(start)])]
+                vec![plot(part, "rad", vec![self.angle(quantity)])]
             }
             count @ 1.. => {
                 let turning = match count {
-                    2 => plot("angle", "rad", vec![self.angle(start)]),
+                    2 => plot("angle", "rad", vec![self.angle(quantity)]),
                     _ => plot("rotation", "", series(&all[..count])),
                 };
                 let moving = (count < all.len())
-                    .then(|| plot("position", quantity.units[count], series(&all[count..])));
+                    .then(|| plot("position", &quantity.units[count], series(&all[count..])));
                 std::iter::once(turning).chain(moving).collect()
             }
             0 => {
-                let parts = by_key(quantity.units.iter().copied().zip(0..));
+                let parts = by_key(quantity.units.iter().map(String::as_str).zip(0..));
                 let one = |(unit, places): &(&str, Vec<usize>)| {
                     let part = if parts.len() == 1 { String::new() } else { common(&names, places) };
                     plot(&part, unit, series(places))
@@ -137,15 +169,11 @@ impl Plots<'_> {
     }
 
     /// The angle of a rotation in the plane, which goes on where it has turned all around.
-    fn angle(&self, slot: usize) -> Series {
-        let mut angle = 0.0;
-        let angles = self.states.iter().map(|state| {
-            let now = state[slot + 1].atan2(state[slot]);
-            let turn = std::f64::consts::TAU;
-            angle = now + turn * ((angle - now) / turn).round();
-            rounded(angle)
-        });
-        Series { values: angles.collect(), ..Series::default() }
+    fn angle(&self, quantity: &PlottedQuantity) -> Series {
+        let rotating = self.entry.plotted.all().iter().filter(|other| other.rotation > 0);
+        let order = rotating.take_while(|other| *other != quantity).count();
+        let angle = |sample: &&RecordedSample| sample.angles.get(order).map_or(f64::NAN, |x| rounded(*x));
+        Series { values: self.samples.kept.iter().map(angle).collect(), ..Series::default() }
     }
 
     fn errors(&self) -> Vec<Plot> {
@@ -194,18 +222,10 @@ mod tests {
     fn plots_arrows_and_parameters_have_the_units_of_the_description() {
         let shown = |name: &str| {
             let entry = catalogue().system(name).expect("it is there");
-            let mut recorder = PageRecorder::new(entry, 0);
-            let (index, state) = (0, &entry.example.state);
-            recorder.push(&Sample {
-                index,
-                time: 0.0,
-                state,
-                energy: 1.0,
-                casimirs: &[0.0; 2],
-                snapshot: &Vec::new,
-            });
+            let mut recorder = PageRecorder::new(0);
+            recorder.push(&Sample { casimirs: &[0.0; 2], ..Sample::of_state(&entry.example.state) }, &[]);
             let (title, parameters) = (String::new(), &entry.example.parameters[..]);
-            let heading = PageHeading { title, parameters, step: 0.1, steps: 0, law: None };
+            let heading = PageHeading { title, parameters, step: 0.1, steps: 0 };
             let Page { details, runs, .. } = page(&recorder, entry, &heading);
             let Run { plots, arrows, .. } = runs.into_iter().next().expect("one run");
             let details = details.into_iter().map(|detail| detail.unit).take(3);

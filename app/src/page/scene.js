@@ -16,6 +16,7 @@ class SpaceScene {
     this.measure();
     for (const body of bodies) this.equip(body);
     this.scaleArrows();
+    this.axes = UNIT.map((axis, k) => (space.axes ?? ['x', 'y', 'z'])[k] ? scaled(axis, this.wide ? 0.25 * this.radius : 1.48 * this.size) : null);
     this.flat = this.width.toArray().map(x => x < 1e-6 * this.reach);
     this.square = (this.free && !this.flat[1]) || Number.isFinite(space.ground) ? niceBelow(this.radius / 2) : null;
     // a motion in a plane is seen best from before it
@@ -44,6 +45,9 @@ class SpaceScene {
     this.centre = this.wide ? box.getCenter(new THREE.Vector3()) : first.point({ body: 0 }, 0) ?? ORIGIN;
     const margin = Math.max(0.5 * this.size, ...bodies.filter(moving).map(real));
     this.radius = this.wide ? 1.02 * reach + Math.min(this.free ? margin : this.size, reach || Infinity) : 1.62 * this.size;
+    // the eye, six radii away, is outside of all solids, also of those larger than the motion
+    const far = body => Math.max(...[0, 1].map(end => (body.run.point({ body: body.order, at: middle(body) }, end * (body.run.samples - 1)) ?? this.centre).distanceTo(this.centre)));
+    this.radius = Math.max(this.radius, ...bodies.filter(sized).map(body => (far(body) + real(body)) / 2));
     [this.low, this.ground] = [box.min.z, space.ground ?? box.min.z];
     // where even the largest could hardly be seen, all that move are drawn larger
     const seen = Math.max(...bodies.filter(body => moving(body) && sized(body)).map(sizeOf), 0);
@@ -106,9 +110,24 @@ class SpaceScene {
     view.dot(() => drop()?.[1], 'muted', 3, 0.6);
   }
 
-  /** Where an arrow starts and ends in space at the moment. */
-  ends(arrow) {
-    const from = arrow.run.point({ body: arrow.body, at: arrow.from ?? undefined }), along = arrow.run.vectorNow(arrow);
+  /** All that should be in the first view, each a point and what is about it, at some moments of the runs. */
+  shown() {
+    const shown = this.axes.filter(Boolean).map(tip => [tip, 0]);
+    for (const run of runs) {
+      for (let k = 0; k < run.samples; k += Math.ceil(run.samples / 100)) {
+        for (const body of run.bodies) {
+          shown.push([run.point({ body: body.order, at: body.middle }, k), body.mesh ? body.extent : 0]);
+          if (body.axes && body.mesh) for (const axis of UNIT) shown.push([run.point({ body: body.order, at: scaled(axis, body.reach) }, k), 0]);
+        }
+        for (const arrow of run.arrows) shown.push([this.ends(arrow, k)?.[1], 0]);
+      }
+    }
+    return shown.filter(([point]) => point);
+  }
+
+  /** Where an arrow starts and ends in space, at a sample or at the moment. */
+  ends(arrow, k = null) {
+    const from = arrow.run.point({ body: arrow.body, at: arrow.from ?? undefined }, k), along = arrow.run.vectorAt(arrow, k);
     return from && along && [from, sum(from, scaled(along, arrow.scale))];
   }
 
@@ -122,8 +141,7 @@ class SpaceScene {
   build(view) {
     if (this.square) this.floor(view);
     else if (!this.wide) view.sphere(bodies.length === 1 && bodies[0].axes ? bodies[0].reach : this.size * 1.3, [2], this.centre);
-    const frame = this.wide ? 0.25 * this.radius : 1.48 * this.size, names = space.axes ?? ['x', 'y', 'z'];
-    UNIT.forEach((axis, k) => { if (names[k]) view.arrow(() => [ORIGIN, scaled(axis, frame)], 'muted', 1, names[k], 0.6); });
+    this.axes.forEach((tip, k) => { if (tip) view.arrow(() => [ORIGIN, tip], 'muted', 1, (space.axes ?? ['x', 'y', 'z'])[k], 0.6); });
     for (const body of bodies) {
       if (body.trailPath) view.trace(body.trailPath, body.run, this.traceColour(body), body.ghost ? 0.5 : 1);
       this.buildBody(view, body);

@@ -89,6 +89,9 @@ const CIRCLE = Array.from({ length: 97 }, (_, k) => vector([Math.cos(k * Math.PI
 const COIL = [[0, 0, 0], ...Array.from({ length: 193 }, (_, k) => [Math.sin(k * Math.PI / 8), Math.cos(k * Math.PI / 8), 0.12 + 0.76 * k / 192]), [0, 0, 1]].map(vector);
 const DASHES = Array.from({ length: 24 }, (_, k) => k % 3 === 2 ? null : vector([0, 0, k / 23]));
 
+/** Where a name may be, in pixels along its arrow and aside. */
+const PLACES = [0, 14, 28, 56].flatMap(on => [0, 16, -16].map(aside => [on, aside]));
+
 /** A scene in mild perspective that can be turned and zoomed, with names over it. Its middle is the origin for three.js, its radius 1. */
 class View {
   /** How many pictures of all scenes were drawn. */
@@ -171,10 +174,26 @@ class View {
     return [(1 + x) / 2 * this.width, (1 - y) / 2 * this.height];
   }
 
+  /** How many pixels a radius of the scene is in the first view: so many that all of it is seen, with its names. */
+  unit() {
+    const { width, height, scene } = this, size = `${width}×${height}`;
+    if (this.fitted?.size === size) return this.fitted.unit;
+    let unit = Math.min(width * 0.47, height * (scene.free ? 0.6 : 0.47));
+    const [yaw, pitch] = scene.look, eye = vector([Math.cos(pitch) * Math.cos(yaw), Math.cos(pitch) * Math.sin(yaw), Math.sin(pitch)]);
+    const right = vector([-Math.sin(yaw), Math.cos(yaw), 0]), up = eye.clone().cross(right);
+    for (const [point, about] of scene.shown?.() ?? []) {
+      const local = this.local(point), near = 6 / Math.max(1, 6 - local.dot(eye));
+      const reach = way => Math.max((Math.abs(local.dot(way)) + about / scene.radius) * near, 1e-9);
+      unit = Math.min(unit, Math.max(width / 2 - 22, 0.3 * width) / reach(right), Math.max(height / 2 - 24, 0.3 * height) / reach(up));
+    }
+    if (width && height) this.fitted = { size, unit };
+    return unit;
+  }
+
   draw() {
     const { camera, renderer, yaw, pitch, width, height } = this, right = vector([-Math.sin(yaw), Math.cos(yaw), 0]);
     const eye = vector([Math.cos(pitch) * Math.cos(yaw), Math.cos(pitch) * Math.sin(yaw), Math.sin(pitch)]);
-    this.pixel = 1 / (Math.min(width * 0.47, height * (this.scene.free ? 0.6 : 0.47)) * this.zoom);
+    this.pixel = 1 / (this.unit() * this.zoom);
     this.halfSize.value.set(width / 2, height / 2);
     Object.assign(camera, { fov: 360 / Math.PI * Math.atan(this.pixel * height / 12), aspect: width / height, near: 0.5, far: 50 });
     camera.position.copy(eye).multiplyScalar(6); // the eye is 6 radii away
@@ -199,12 +218,19 @@ class View {
     pen.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
     pen.drawImage(picture, 0, 0, this.width, this.height);
     Object.assign(pen, { lineJoin: 'round', textAlign: 'center', textBaseline: 'middle', lineWidth: 3.5, strokeStyle: theme.panel });
-    for (const { name, x, y, colour, bold } of names) {
+    const placed = [];
+    for (const label of names) {
+      const { name, x, y, way: [right, down], colour, bold } = label;
       pen.font = `${bold ? 600 : 400} 13px system-ui, sans-serif`;
       pen.fillStyle = theme[colour];
-      const half = pen.measureText(name).width / 2 + 4, at = clamp(x, half, this.width - half);
-      pen.strokeText(name, at, y);
-      pen.fillText(name, at, y);
+      const half = pen.measureText(name).width / 2 + 2;
+      const at = ([on, aside]) => [clamp(x + (on + half) * right - aside * down, half + 2, this.width - half - 2), clamp(y + on * down + aside * right, 9, this.height - 9)];
+      const isFree = ([x, y]) => placed.every(other => Math.abs(other.x - x) > other.half + half || Math.abs(other.y - y) > 14);
+      // behind its arrow's tip, or beside that place where another name is
+      const [left, top] = PLACES.map(at).find(isFree) ?? at(PLACES[0]);
+      placed.push(Object.assign(label, { x: left, y: top, half }));
+      pen.strokeText(name, left, top);
+      pen.fillText(name, left, top);
     }
   }
 
@@ -282,7 +308,8 @@ class View {
       head.position.z = long - size;
       if (!name) return;
       const [[x0, y0], [x, y]] = at.map(end => this.project(end)), apart = Math.hypot(x - x0, y - y0) || 1;
-      this.names.push({ name, x: x + (x - x0) / apart * 12, y: y + (y - y0) / apart * 12, colour, bold: width > 1.5 });
+      const way = [(x - x0) / apart, (y - y0) / apart];
+      this.names.push({ name, x: x + way[0] * 9, y: y + way[1] * 12, way, colour, bold: width > 1.5 });
     });
   }
 

@@ -3,9 +3,8 @@
 use coadjoint::ensemble::Spread;
 
 use super::{Axis, Color, Figure, Key, Panel, Series};
-use crate::catalogue::Entry;
-use crate::catalogue::quantities::components;
-use crate::simulate::ensemble::{EnsembleSpec, EnsembleSummary, Observable};
+use crate::catalogue::{Entry, Observable};
+use crate::simulate::ensemble::{EnsembleSpec, EnsembleSummary};
 use crate::units::{grouped, range, with_unit};
 
 /// Between which quantiles the bands lie, from the widest, how they are called, and how they cover what is below.
@@ -15,14 +14,13 @@ const BANDS: [(usize, usize, &str, f64); 3] =
 /// A panel for each quantity: the median in bands that hold more and more members.
 pub(crate) fn figure(
     entry: &Entry,
-    named: &[(String, Observable)],
+    observables: &[Observable],
     summary: &EnsembleSummary,
     spec: &EnsembleSpec,
     spread: &[String],
 ) -> Figure {
     const TIME: &str = "time, s";
-    let units: Vec<&str> = components(entry.description.state).map(|component| component.unit).collect();
-    let panel = |((name, observable), spreads): (&(String, Observable), &Vec<Spread>)| {
+    let panel = |(Observable { name, unit, .. }, spreads): (&Observable, &Vec<Spread>)| {
         let edge = |k: usize| {
             let points = spreads.iter().filter(|spread| spread.members > 0);
             points.map(|spread| (spread.time, spread.quantiles[k])).collect::<Vec<_>>()
@@ -30,14 +28,10 @@ pub(crate) fn figure(
         let bands = BANDS
             .map(|(low, high, label, opacity)| Series::band(label, Color::X, opacity, edge(low), edge(high)));
         let series = bands.into_iter().chain([Series::line("median", Color::X, edge(3))]).collect();
-        let unit = match *observable {
-            Observable::Energy => entry.energy_unit,
-            Observable::State(slot) => units[slot],
-        };
         let label = with_unit(&name.replace('_', " "), unit);
         Panel::new(Axis::linear(TIME), Axis::linear(label), series)
     };
-    let panels: Vec<Panel> = named.iter().zip(&summary.spreads).map(panel).collect();
+    let panels: Vec<Panel> = observables.iter().zip(&summary.spreads).map(panel).collect();
     let span = range(summary.spreads.iter().flatten().map(|spread| spread.time));
     let mut title = format!(
         "{} of {}, {}",
@@ -48,5 +42,5 @@ pub(crate) fn figure(
     if !summary.failed.is_empty() {
         title += &format!("; {} failed on the way", grouped(summary.failed.len() as u64));
     }
-    Figure::over_time(title, TIME, span, Key::Above, panels)
+    Figure::over_time(title, TIME, span, Key::Above, panels).in_columns()
 }

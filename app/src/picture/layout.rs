@@ -297,7 +297,7 @@ fn key_in_lines(scene: &mut Scene, named: &[&Series], mut y: f64) -> f64 {
             let wider =
                 wider.filter(|other| series.is_band() && other.is_band() && other.color == series.color);
             for series in wider.chain([series]) {
-                sample(scene, series, (x, y + 0.65 * SMALL));
+                sample(scene, series, (x, y + 0.65 * SMALL), SAMPLE);
             }
             scene.text((x + SAMPLE + GAP, y + SMALL), &series.label, SMALL, Anchor::Start);
             x += length(series);
@@ -311,17 +311,22 @@ fn key_in_lines(scene: &mut Scene, named: &[&Series], mut y: f64) -> f64 {
 /// In one line, to the right above a frame.
 fn key_right(scene: &mut Scene, series: &[Series], frame: &Frame) {
     let mut x = frame.right;
-    for series in named(series.iter()).into_iter().rev() {
+    let named = named(series.iter());
+    // many have shorter samples
+    let letters: f64 = named.iter().map(|series| font::width(&series.label, SMALL)).sum();
+    let room = (frame.width() - letters) / (named.len() as f64 * (SAMPLE + 3.0 * GAP));
+    let part = room.clamp(0.2, 1.0);
+    for series in named.into_iter().rev() {
         scene.text((x, frame.top - GAP), &series.label, SMALL, Anchor::End);
-        x -= font::width(&series.label, SMALL) + GAP + SAMPLE;
-        sample(scene, series, (x, frame.top - GAP - 0.35 * SMALL));
-        x -= 2.0 * GAP;
+        x -= font::width(&series.label, SMALL) + part * (GAP + SAMPLE);
+        sample(scene, series, (x, frame.top - GAP - 0.35 * SMALL), part * SAMPLE);
+        x -= part * 2.0 * GAP;
     }
 }
 
 /// Shows how a series looks.
-fn sample(scene: &mut Scene, series: &Series, (x, y): Point) {
-    let at = |part: f64, down: f64| (x + part * SAMPLE, y + down);
+fn sample(scene: &mut Scene, series: &Series, (x, y): Point, long: f64) {
+    let at = |part: f64, down: f64| (x + part * long, y + down);
     let (points, marks) = match series.style {
         Style::Band(_) => (vec![at(0.0, -5.0), at(1.0, -5.0), at(0.0, 5.0), at(1.0, 5.0)], Vec::new()),
         Style::Bars => (vec![at(0.5, 6.0), at(0.5, -6.0)], Vec::new()),

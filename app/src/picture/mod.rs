@@ -213,6 +213,13 @@ impl Figure {
         Self { title, columns: 1, cell: (760.0, 170.0), key, shared: (true, false), panels: panels.collect() }
     }
 
+    /// The same with as many columns as its panels need to fit on a page.
+    pub(crate) fn in_columns(self) -> Self {
+        let columns = self.panels.len().div_ceil(5).max(if self.panels.len() > 3 { 2 } else { 1 });
+        let width = [760.0, 470.0, 380.0][columns.min(3) - 1];
+        Self { columns, cell: (width, self.cell.1), ..self }
+    }
+
     /// The picture as the content of a file.
     pub fn picture(&self, kind: Kind) -> Vec<u8> {
         match kind {

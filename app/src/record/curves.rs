@@ -1,9 +1,8 @@
 //! Curves of one run over time: the state, and the errors of the conserved quantities.
 
-use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
-use super::Sample;
+use super::{Rotation, Sample};
 use serde::{Deserialize, Serialize};
 
 use super::Envelope;
@@ -21,8 +20,6 @@ pub(crate) struct Curves {
     reference: Option<(f64, Vec<f64>)>,
     /// The curves of each part of the state.
     pub(crate) state: Vec<Envelope>,
-    /// The angles of each rotation at the sample before, from which the next ones go on.
-    angles: Vec<Option<[f64; 3]>>,
     pub(crate) energy: Envelope,
     pub(crate) casimirs: Vec<Envelope>,
 }
@@ -73,7 +70,7 @@ impl Part<'_> {
     }
 
     /// Lists the units of its components.
-    pub(crate) fn units(&self) -> &[&'static str] {
+    pub(crate) fn units(&self) -> &[String] {
         let units = &self.quantity.units;
         &units[units.len() - self.slots.len()..]
     }
@@ -88,32 +85,6 @@ impl Part<'_> {
     }
 }
 
-/// Roll, pitch and yaw of a unit quaternion, about x, y and z: the rotation turns by the roll first.
-fn roll_pitch_yaw(quaternion: &[f64]) -> [f64; 3] {
-    let &[w, x, y, z] = quaternion else { return [f64::NAN; 3] };
-    let roll = (2.0 * (w * x + y * z)).atan2(1.0 - 2.0 * (x * x + y * y));
-    let pitch = (2.0 * (w * y - z * x)).clamp(-1.0, 1.0).asin();
-    let yaw = (2.0 * (w * z + x * y)).atan2(1.0 - 2.0 * (y * y + z * z));
-    [roll, pitch, yaw]
-}
-
-/// The same rotation by the angles that are nearest to those before: they go on beyond half a turn, and the pitch
-/// beyond a quarter.
-fn continued(angles: [f64; 3], before: [f64; 3]) -> [f64; 3] {
-    let [roll, pitch, yaw] = angles;
-    let nearest = |angles: [f64; 3]| {
-        let mut distance = 0.0;
-        let mut turned = angles;
-        for (angle, before) in turned.iter_mut().zip(before) {
-            *angle += TAU * ((before - *angle) / TAU).round();
-            distance += (*angle - before).abs();
-        }
-        (distance, turned)
-    };
-    let (direct, other) = (nearest(angles), nearest([roll + PI, PI - pitch, yaw + PI]));
-    if other.0 < direct.0 { other.1 } else { direct.1 }
-}
-
 impl Curves {
     /// For a run that is about to start.
     pub(crate) fn new(entry: &Entry, (step, steps): (f64, u64)) -> Self {
@@ -124,35 +95,25 @@ impl Curves {
             span: (end.min(0.0), end.max(0.0)),
             reference: None,
             state: vec![envelope.clone(); curves],
-            angles: vec![None; parts(entry).count()],
             energy: envelope.clone(),
             casimirs: vec![envelope; entry.description.casimirs.len()],
         }
     }
 
-    /// Adds a sample of the run.
-    pub(crate) fn push(&mut self, entry: &Entry, sample: &Sample<'_>) {
+    /// Adds a sample of the run, with the rotations at it.
+    pub(crate) fn push(&mut self, entry: &Entry, sample: &Sample<'_>, rotations: &[Rotation]) {
         let (energy, casimirs) =
             self.reference.get_or_insert_with(|| (sample.energy, sample.casimirs.to_vec()));
-        let mut curves = self.state.iter_mut();
-        let state = entry.plotted.numbers(sample.state);
-        for (part, angles) in parts(entry).zip(&mut self.angles) {
-            let values = state.get(part.slots.clone()).unwrap_or(&[]);
-            let now = match (part.kind, values) {
-                (PartKind::Vector, _) => {
-                    for (curve, value) in curves.by_ref().take(values.len()).zip(values) {
-                        curve.push(sample.index, sample.time, *value);
-                    }
-                    continue;
+        let (mut curves, mut rotations) = (self.state.iter_mut(), rotations.iter());
+        let mut push = |value| curves.next().map(|curve| curve.push(sample.index, sample.time, value));
+        let state = entry.plotted.numbers(sample.numbers);
+        for part in parts(entry) {
+            match part.kind {
+                PartKind::Vector => state[part.slots].iter().for_each(|value| _ = push(*value)),
+                _ => {
+                    let angles = rotations.next().map_or([f64::NAN; 3], |rotation| rotation.angles);
+                    angles[..part.curves()].iter().for_each(|angle| _ = push(angle.to_degrees()));
                 }
-                (PartKind::Rotation, _) => roll_pitch_yaw(values),
-                (PartKind::PlaneRotation, &[re, im]) => [im.atan2(re), 0.0, 0.0],
-                (PartKind::PlaneRotation, _) => [f64::NAN; 3],
-            };
-            let now = angles.map_or(now, |before| continued(now, before));
-            *angles = Some(now);
-            for (curve, angle) in curves.by_ref().take(part.curves()).zip(now) {
-                curve.push(sample.index, sample.time, angle.to_degrees());
             }
         }
         // where energy is not conserved, its value is shown
@@ -160,37 +121,6 @@ impl Curves {
         self.energy.push(sample.index, sample.time, shown);
         for ((envelope, now), initially) in self.casimirs.iter_mut().zip(sample.casimirs).zip(casimirs) {
             envelope.push(sample.index, sample.time, (now - *initially).abs());
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use coadjoint::prelude::*;
-
-    use super::*;
-
-    fn angles(attitude: &UnitQuaternion<f64>) -> [f64; 3] {
-        roll_pitch_yaw(&[attitude.w, attitude.i, attitude.j, attitude.k])
-    }
-
-    #[test]
-    fn roll_pitch_and_yaw_are_those_of_the_rotation() {
-        let [roll, pitch, yaw] = angles(&UnitQuaternion::from_euler_angles(0.3, -0.7, 1.1));
-        assert!((roll - 0.3).abs() < 1e-14 && (pitch + 0.7).abs() < 1e-14 && (yaw - 1.1).abs() < 1e-14);
-    }
-
-    #[test]
-    fn angles_go_on() {
-        for axis in [Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()] {
-            let mut before = [0.0; 3];
-            for k in 0..1000 {
-                let turned = 0.01 * f64::from(k);
-                before = continued(angles(&UnitQuaternion::from_axis_angle(&axis, turned)), before);
-                let along = before.iter().zip(axis.iter()).map(|(angle, part)| angle * part).sum::<f64>();
-                // the sine of the pitch is flat where it is a quarter turn
-                assert!((along - turned).abs() < 1e-7, "{axis:?} {turned} {before:?}");
-            }
         }
     }
 }

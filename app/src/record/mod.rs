@@ -4,6 +4,7 @@ mod conservation;
 mod curves;
 mod envelope;
 mod page;
+mod rotations;
 mod samples;
 
 use coadjoint::erased::System;
@@ -13,6 +14,7 @@ pub use conservation::{ConservationReport, DriftStats};
 pub(crate) use curves::{Curves, Part, PartKind, parts};
 pub use envelope::Envelope;
 pub(crate) use page::{PageRecorder, PageSamples};
+pub(crate) use rotations::{Rotation, Rotations};
 pub(crate) use samples::{RecordedSample, Samples};
 
 use crate::catalogue::Entry;
@@ -25,12 +27,28 @@ pub struct Sample<'a> {
     pub time: f64,
     /// The state.
     pub state: &'a [f64],
+    /// The state, behind it the controls of the step that starts here, and behind these the system's observables.
+    pub numbers: &'a [f64],
     /// The energy, with the controls of the step that starts here.
     pub energy: f64,
     /// The Casimirs.
     pub casimirs: &'a [f64],
     /// Writes down what the stepper carries here: see [`Stepper::snapshot`](coadjoint::erased::Stepper::snapshot).
     pub snapshot: &'a dyn Fn() -> Vec<f64>,
+}
+
+impl<'a> Sample<'a> {
+    /// A state at time 0 of which nothing else is known.
+    #[cfg(test)]
+    pub(crate) fn of_state(state: &'a [f64]) -> Self {
+        Self { index: 0, time: 0.0, state, numbers: state, energy: 1.0, casimirs: &[], snapshot: &Vec::new }
+    }
+
+    /// Collects the numbers of a table's row.
+    pub(crate) fn row(&self, entry: &Entry) -> Vec<f64> {
+        let (before, own) = self.numbers.split_at(self.numbers.len().saturating_sub(entry.observables.len()));
+        [&[self.time], before, &[self.energy], own].concat()
+    }
 }
 
 /// All that is recorded of a run.
@@ -40,21 +58,31 @@ pub(crate) struct Recorders {
     pub(crate) conservation: Option<ConservationReport>,
     /// How far the configuration was off its group, at most.
     pub(crate) off_group: f64,
+    rotations: Rotations,
     pub(crate) curves: Option<Curves>,
     pub(crate) page: Option<PageRecorder>,
 }
 
 impl Recorders {
+    /// Records a run that is about to start for its picture and its page.
+    pub(crate) fn of(curves: Option<Curves>, page: Option<PageRecorder>) -> Self {
+        Self { curves, page, ..Self::default() }
+    }
+
     /// Adds a sample of the run.
     pub(crate) fn push(&mut self, entry: &Entry, system: &dyn System, sample: &Sample<'_>) {
-        let Self { conservation, off_group, curves, page } = self;
+        let Self { conservation, off_group, rotations, curves, page } = self;
         conservation.get_or_insert_with(|| ConservationReport::new(sample)).push(sample);
         *off_group = off_group.max(system.deviation(sample.state));
+        if curves.is_none() && page.is_none() {
+            return;
+        }
+        let rotations = rotations.follow(entry, system, sample);
         if let Some(curves) = curves {
-            curves.push(entry, sample);
+            curves.push(entry, sample, rotations);
         }
         if let Some(page) = page {
-            page.push(sample);
+            page.push(sample, rotations);
         }
     }
 }

@@ -1,10 +1,8 @@
 //! The samples of a run that its page shows, as many as its turning needs and memory bears.
 
-use super::Sample;
 use serde::{Deserialize, Serialize};
 
-use super::{RecordedSample, Samples};
-use crate::catalogue::Entry;
+use super::{RecordedSample, Rotation, Sample, Samples};
 
 /// At most so many moments are kept: a page of some megabytes, drawn 60 times a second.
 const MOST: usize = 8192;
@@ -15,7 +13,7 @@ const SEEN: f64 = 0.25;
 
 /// Evenly spaced samples of a run. Once there are too many, every second one is dropped, so that memory stays bounded
 /// without knowing beforehand how fast the run turns.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct PageRecorder {
     /// Every so many steps are kept, and the last one.
     every: u64,
@@ -25,10 +23,8 @@ pub(crate) struct PageRecorder {
     turns: Vec<f64>,
     /// How far they turned since the last kept sample, rad.
     turned: f64,
-    /// Where in the state the rotations are.
-    rotations: Vec<Vec<usize>>,
-    /// The sample before.
-    before: (f64, Vec<f64>),
+    /// The time of the sample before.
+    before: f64,
     /// The fastest turning, rad/s.
     rate: f64,
 }
@@ -44,44 +40,26 @@ pub(crate) struct PageSamples<'a> {
 
 impl PageRecorder {
     /// Prepares for a run of this length.
-    pub(crate) fn new(entry: &Entry, steps: u64) -> Self {
-        Self::of(entry.plotted.rotations().to_vec(), steps)
+    pub(crate) fn new(steps: u64) -> Self {
+        Self { every: 1, last: steps, ..Self::default() }
     }
 
-    fn of(rotations: Vec<Vec<usize>>, last: u64) -> Self {
-        let (samples, turns, before) = Default::default();
-        Self { every: 1, last, samples, turns, turned: 0.0, rotations, before, rate: 0.0 }
-    }
-
-    /// Adds a sample of the run.
-    pub(crate) fn push(&mut self, sample: &Sample<'_>) {
-        self.turn(sample);
+    /// Adds a sample of the run, with the rotations at it.
+    pub(crate) fn push(&mut self, sample: &Sample<'_>, rotations: &[Rotation]) {
+        let turned = rotations.iter().map(|rotation| rotation.turned).fold(0.0, f64::max);
+        self.turned += turned;
+        if turned > 0.0 {
+            self.rate = self.rate.max(turned / (sample.time - self.before).abs());
+        }
+        self.before = sample.time;
         if !sample.index.is_multiple_of(self.every) && sample.index != self.last {
             return;
         }
         self.turns.push(std::mem::take(&mut self.turned));
-        self.samples.push(sample);
+        self.samples.push(sample, rotations);
         if self.samples.0.len() > MOST {
             self.thin();
         }
-    }
-
-    /// Adds up how far the rotations turned since the sample before.
-    fn turn(&mut self, sample: &Sample<'_>) {
-        let (time, state) = &mut self.before;
-        let angle = |slots: &Vec<usize>| {
-            let of = |state: &[f64]| -> Option<Vec<f64>> {
-                slots.iter().map(|slot| state.get(*slot).copied()).collect()
-            };
-            Some(angle_between(&of(state)?, &of(sample.state)?))
-        };
-        let angle = self.rotations.iter().filter_map(angle).fold(0.0, f64::max);
-        self.turned += angle;
-        if sample.time != *time {
-            self.rate = self.rate.max(angle / (sample.time - *time).abs());
-        }
-        *time = sample.time;
-        sample.state.clone_into(state);
     }
 
     /// Keeps every second sample.
@@ -120,43 +98,18 @@ impl PageRecorder {
     }
 }
 
-/// The angle of the rotation between two unit quaternions, two matrices, or two unit complex numbers, rad.
-fn angle_between(a: &[f64], b: &[f64]) -> f64 {
-    // by the chord, which is exact for small angles too
-    let chord = |sign: f64| a.iter().zip(b).map(|(a, b)| (a - sign * b).powi(2)).sum::<f64>().sqrt();
-    match a.len() {
-        4 => 4.0 * (chord(1.0).min(chord(-1.0)) / 2.0).min(1.0).asin(),
-        9 => 2.0 * (chord(1.0) / 8.0_f64.sqrt()).min(1.0).asin(),
-        _ => 2.0 * (chord(1.0) / 2.0).min(1.0).asin(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn angles_are_those_between_rotations() {
-        for angle in [1e-9, 0.3, 3.0_f64] {
-            let (c, s) = ((angle / 2.0).cos(), (angle / 2.0).sin());
-            let found = angle_between(&[1.0, 0.0, 0.0, 0.0], &[-c, 0.0, -s, 0.0]);
-            assert!((found / angle - 1.0).abs() < 1e-9, "{found} {angle}");
-            let found = angle_between(&[1.0, 0.0], &[angle.cos(), angle.sin()]);
-            assert!((found / angle - 1.0).abs() < 1e-9, "{found} {angle}");
-            let unit = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
-            let (c, s) = (angle.cos(), angle.sin());
-            let found = angle_between(&unit, &[c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0]);
-            assert!((found / angle - 1.0).abs() < 1e-9, "{found} {angle}");
-        }
-    }
-
     /// A recorder of a run whose one rotation turns by so much in each step.
     fn recording(steps: u64, per_step: f64) -> PageRecorder {
-        let mut recorder = PageRecorder::of(vec![vec![0, 1]], steps);
+        let mut recorder = PageRecorder::new(steps);
         for index in 0..=steps {
-            let angle = index as f64 * per_step;
-            let (time, state) = (index as f64, &[angle.cos(), angle.sin()]);
-            recorder.push(&Sample { index, time, state, energy: 0.0, casimirs: &[], snapshot: &Vec::new });
+            let turned = if index == 0 { 0.0 } else { per_step };
+            let rotation =
+                Rotation { angles: [index as f64 * per_step, 0.0, 0.0], turned, ..Rotation::default() };
+            recorder.push(&Sample { index, time: index as f64, ..Sample::of_state(&[]) }, &[rotation]);
         }
         recorder
     }
@@ -174,5 +127,9 @@ mod tests {
         // slower needs fewer, faster cannot be shown
         assert!(recording(100_000, 1e-4).samples().kept.len() < samples.kept.len());
         assert!(recording(100_000, 0.2).samples().turn > 1.0);
+        // also more than half a turn in each step
+        let spun = recording(1000, 30.0);
+        let samples = spun.samples();
+        assert_eq!((samples.turn, samples.rate, samples.kept[1000].angles[0]), (30.0, 30.0, 30_000.0));
     }
 }

@@ -1,6 +1,6 @@
 //! Samples of a motion in memory.
 
-use super::Sample;
+use super::{Rotation, Sample};
 use serde::{Deserialize, Serialize};
 
 /// Samples of a motion, in the order of time.
@@ -13,24 +13,28 @@ pub(crate) struct RecordedSample {
     /// The number of steps before.
     pub(crate) index: u64,
     pub(crate) time: f64,
-    pub(crate) state: Vec<f64>,
+    /// The state, and what goes with it.
+    pub(crate) numbers: Vec<f64>,
     pub(crate) energy: f64,
     pub(crate) casimirs: Vec<f64>,
+    /// Of each rotation the angle in the plane, which goes on beyond a turn, rad.
+    pub(crate) angles: Vec<f64>,
 }
 
 impl Samples {
-    /// Adds a sample of a run.
-    pub(crate) fn push(&mut self, sample: &Sample<'_>) {
-        let &Sample { index, time, state, energy, casimirs, .. } = sample;
-        let (state, casimirs) = (state.to_vec(), casimirs.to_vec());
-        self.0.push(RecordedSample { index, time, state, energy, casimirs });
+    /// Adds a sample of a run, with the rotations at it.
+    pub(crate) fn push(&mut self, sample: &Sample<'_>, rotations: &[Rotation]) {
+        let &Sample { index, time, energy, casimirs, numbers, .. } = sample;
+        let (numbers, casimirs) = (numbers.to_vec(), casimirs.to_vec());
+        let angles = rotations.iter().map(|rotation| rotation.angles[0]).collect();
+        self.0.push(RecordedSample { index, time, numbers, energy, casimirs, angles });
     }
 
-    /// Shows all samples to an observer.
-    pub(crate) fn replay(&self, mut observe: impl FnMut(&Sample<'_>)) {
-        for RecordedSample { index, time, state, energy, casimirs } in &self.0 {
-            let (index, time, energy) = (*index, *time, *energy);
-            observe(&Sample { index, time, state, energy, casimirs, snapshot: &Vec::new });
+    /// Shows all samples to an observer; so many of their numbers are the state.
+    pub(crate) fn replay(&self, state: usize, mut observe: impl FnMut(&Sample<'_>)) {
+        for RecordedSample { index, time, numbers, energy, casimirs, .. } in &self.0 {
+            let (index, time, energy, state) = (*index, *time, *energy, &numbers[..state.min(numbers.len())]);
+            observe(&Sample { index, time, state, numbers, energy, casimirs, snapshot: &Vec::new });
         }
     }
 }

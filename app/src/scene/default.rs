@@ -37,7 +37,7 @@ fn by_state(entry: &Entry) -> Scene {
     };
     let mut scene = Scene::default();
     let configurations: Vec<usize> =
-        (0..quantities.len()).filter(|&k| quantities[k].role == Role::Configuration).collect();
+        (0..quantities.len()).filter(|&k| quantities[k].role == Some(Role::Configuration)).collect();
     let kinds = |turns| configurations.iter().filter(|&&k| (quantities[k].rotation > 0) == turns).count();
     let alone = kinds(true) <= 1 && kinds(false) <= 1;
     for &k in &configurations {
@@ -47,10 +47,13 @@ fn by_state(entry: &Entry) -> Scene {
         if of_matrix && (configurations.len() > 2 || !quantity.name.contains('_')) {
             continue;
         }
-        let mut after = quantities[k + 1..].iter().take_while(|next| next.role != Role::Configuration);
-        let momentum = after.find(|next| next.role == Role::Momentum);
+        let mut after = quantities[k + 1..].iter().take_while(|next| next.role != Some(Role::Configuration));
+        let momentum = after.find(|next| next.role == Some(Role::Momentum));
+        // one coordinate is no place of a body in space: something slides
         let position_of_the_body = configurations.len() == 2
             && quantity.rotation == 0
+            && (quantity.components.len() > 1
+                || !configurations.iter().any(|&k| quantities[k].rotation == 4))
             && matches!(scene.bodies.as_slice(), [Body { rotation: Some(_), position: None, .. }]);
         if position_of_the_body {
             scene.bodies = scene.bodies.into_iter().map(|body| body.and_moving(&quantity.name)).collect();
@@ -73,7 +76,7 @@ fn by_state(entry: &Entry) -> Scene {
     }
     let seen = quantities
         .iter()
-        .filter(|quantity| quantity.role == Role::Advected && quantity.components.len() == 3);
+        .filter(|quantity| quantity.role == Some(Role::Advected) && quantity.components.len() == 3);
     for (quantity, colour) in seen.zip(["c4", "c5"].into_iter().cycle()) {
         let on = (!scene.bodies.is_empty()).then_some(0);
         let arrow = Arrow { frame, body: on, ..Arrow::quantity(&quantity.name).colour(colour) };
@@ -106,11 +109,15 @@ fn symbol(name: &str) -> String {
     if symbol == name { String::new() } else { symbol }
 }
 
-/// Names the axes, where the motion is in an upright plane or on a line.
+/// Names the axes, where the motion is in a plane or on a line.
 pub(crate) fn axes(entry: &Entry, scene: &Scene) -> Option<[String; 3]> {
     let sources = || scene.bodies.iter().flat_map(|body| body.rotation.iter().chain(&body.position));
-    let is_plane = |source: &Source| {
-        !matches!(source, Source::About(..)) && !entry.plotted.is_spatial(source.quantity())
+    let is_upright =
+        |source: &Source| matches!(source, Source::Quantity(name) if !entry.plotted.is_spatial(name));
+    let axes = match sources().next()? {
+        _ if sources().all(is_upright) => ["x", "", "y"],
+        _ if sources().all(Source::is_lying) => ["x", "y", ""],
+        _ => return None,
     };
-    (sources().next().is_some() && sources().all(is_plane)).then(|| ["x", "", "y"].map(str::to_owned))
+    Some(axes.map(str::to_owned))
 }

@@ -4,6 +4,7 @@
 mod assign;
 mod column;
 pub(crate) mod config;
+mod expression;
 mod form;
 mod method;
 mod names;
@@ -21,6 +22,7 @@ use serde::{Deserialize, Serialize};
 
 pub(crate) use assign::{Changes, assignments};
 pub use column::Column;
+pub(crate) use expression::observable;
 pub(crate) use method::MethodParser;
 pub use method::{Classical, Method};
 pub(crate) use names::Names;

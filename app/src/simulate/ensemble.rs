@@ -9,7 +9,7 @@ use coadjoint::erased::{self, Ensemble};
 use rayon::prelude::*;
 
 use super::{scheme, stepper};
-use crate::catalogue::{ControlLaw, Entry, Setup};
+use crate::catalogue::{ControlLaw, Entry, Observable, Setup};
 use crate::error::{RunError, SetupError};
 use crate::setup::Job;
 pub use crate::setup::{SampledRange, Variation};
@@ -28,15 +28,6 @@ pub struct EnsembleSpec {
     pub job: Job,
     /// Steps between two samples of the distribution; 0 counts as 1.
     pub every: u64,
-}
-
-/// A quantity whose distribution is recorded.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Observable {
-    /// The energy.
-    Energy,
-    /// A component of the state, by its place.
-    State(usize),
 }
 
 /// Called now and then with the number of steps taken; may end the run.
@@ -138,7 +129,7 @@ pub fn run(
     let at_once = ((1 << 20) / spec.members.max(1) as u64).max(1);
     loop {
         if taken == steps || taken.is_multiple_of(every) {
-            for (spreads, &observable) in spreads.iter_mut().zip(observables) {
+            for (spreads, observable) in spreads.iter_mut().zip(observables) {
                 spreads.push(moving.spread(observable, taken as f64 * step, (entry, &laws)));
             }
         }
@@ -206,10 +197,10 @@ impl EnsembleBackend {
     }
 
     /// Measures how a quantity is distributed over the members now.
-    fn spread(&self, observable: Observable, time: f64, (entry, laws): (&Entry, &[ControlLaw])) -> Spread {
-        let value = |index: usize, system: &dyn erased::System, state: &[f64]| match observable {
-            Observable::Energy => entry.energy(system, laws.get(index), (state, time)),
-            Observable::State(place) => state.get(place).copied().unwrap_or(f64::NAN),
+    fn spread(&self, observable: &Observable, time: f64, (entry, laws): (&Entry, &[ControlLaw])) -> Spread {
+        let value = |index: usize, system: &dyn erased::System, state: &[f64]| {
+            let chosen = laws.get(index).map(|law| entry.chosen(law, (state, time)));
+            observable.value(system, state, time, &chosen.unwrap_or_default())
         };
         let mut values: Vec<f64> = match self {
             Self::SideBySide(ensemble) => {

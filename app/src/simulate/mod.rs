@@ -207,12 +207,13 @@ impl Observer<dyn erased::System> for Watched<'_, '_> {
             return ControlFlow::Continue(());
         }
         self.due = (self.next)(index);
-        let energy = match self.law {
-            Some(_) => self.entry.energy(tick.system, self.law, (state, time)),
-            None => tick.system.energy(state, time, self.held),
-        };
-        let (casimirs, snapshot) = (&tick.system.casimirs(state)[..], &|| tick.snapshot());
-        (self.observer)(&Sample { index, time, state, energy, casimirs, snapshot })
+        let chosen = self.law.map(|law| self.entry.chosen(law, (state, time)));
+        let controls = chosen.as_deref().unwrap_or(self.held);
+        let energy = tick.system.energy(state, time, controls);
+        let numbers = self.entry.shown(tick.system, (state, time), controls);
+        let casimirs = tick.system.casimirs(state);
+        let (numbers, casimirs, snapshot) = (&numbers[..], &casimirs[..], &|| tick.snapshot());
+        (self.observer)(&Sample { index, time, state, numbers, energy, casimirs, snapshot })
     }
 
     fn next(&self, index: u64) -> u64 {

@@ -14,6 +14,7 @@ mod files;
 mod layers;
 mod page;
 mod program;
+mod quantities;
 #[cfg(unix)]
 mod reliability;
 mod terminal;

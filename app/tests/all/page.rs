@@ -135,6 +135,13 @@ fn what_turns_too_fast_to_be_shown_is_said() {
     assert_eq!(browser.ask("slow.html", (1280, 800), "coadjoint.scene().notice"), "");
     let notice = browser.ask("fast.html", (1280, 800), "coadjoint.scene().notice");
     assert!(notice.as_str().is_some_and(|notice| notice.contains("2.5 rad")), "{notice}");
+    // also a rotor that turns by more than half a turn in each step
+    systems::rotor(5000.0).run(&browser.path("rotor.html"), 100, 0.01);
+    let notice = browser.ask("rotor.html", (1280, 800), "coadjoint.scene().notice");
+    assert!(notice.as_str().is_some_and(|notice| notice.contains("by up to 50 rad (8 turns)")), "{notice}");
+    let page = Page::read(&browser.path("rotor.html")).expect("a page");
+    let angles = page.runs[0].plots.iter().find(|plot| plot.unit == "rad").expect("an angle");
+    assert!((angles.series[0].values[100] - 5002.5).abs() < 1e-2, "{:?}", angles.series[0].values[100]);
     // 150 rad/s, seen 60 times a second, is played slowly enough to be followed
     let run = systems::spinning_body(150.0).run(&browser.path("spinning.html"), 2000, 0.001);
     assert!((run.state(0.0)[4] - 150.0).abs() < 1e-12);
@@ -145,6 +152,56 @@ fn what_turns_too_fast_to_be_shown_is_said() {
                 document.getElementById('speed').dispatchEvent(new Event('change')), coadjoint.scene().notice)";
     let notice = browser.ask("spinning.html", (1280, 800), fast);
     assert!(notice.as_str().is_some_and(|notice| notice.contains("2.5 rad from one frame")), "{notice}");
+}
+
+#[test]
+fn the_eye_is_outside_of_what_is_larger_than_the_motion() {
+    let Some(browser) = Browser::find("large") else { return };
+    let data = serde_json::json!({
+        "format": "coadjoint page 1", "time": [0.0, 1.0],
+        "runs": [{ "bodies": [{
+            "position": [[0, 0, 0], [0.01, 0, 0]], "shape": { "kind": "sphere", "radius": 1.0 }, "axes": false,
+        }] }],
+    });
+    Page::from_json(&data.to_string()).expect("a page").write(&browser.path("large.html")).expect("writable");
+    let seen = "[[5, 5], coadjoint.scene().runs[0].bodies[0].screen.map(x => x - 8)].map(coadjoint.pixel)";
+    let shown =
+        browser.ask("large.html", (1280, 800), &format!("({{ pixels: {seen}, theme: coadjoint.theme }})"));
+    let colours = colours(&shown["theme"]);
+    let [corner, ball] = [0, 1].map(|k| rgb(&shown["pixels"][k]));
+    assert_eq!(corner, colours["panel"]);
+    assert!(is_shade(&ball, &colours["solid"]), "{ball:?}");
+}
+
+#[test]
+fn names_are_in_view_and_not_over_each_other() {
+    let Some(browser) = Browser::find("names-apart") else { return };
+    let arrow = |name: &str, to: [f64; 3]| serde_json::json!({ "name": name, "vector": to, "unit": name });
+    let data = serde_json::json!({
+        "format": "coadjoint page 1", "time": [0.0, 1.0],
+        "runs": [{
+            "bodies": [{ "position": [[0, 0, 0], [1, 0, 0]], "shape": { "kind": "sphere", "radius": 0.1 } }],
+            "arrows": [arrow("instrument", [1.0, 0.0, 0.01]), arrow("Π", [1.0, 0.0, 0.0]), arrow("up", [0.0, 0.0, 1.0])],
+        }],
+    });
+    Page::from_json(&data.to_string()).expect("a page").write(&browser.path("apart.html")).expect("writable");
+    let shown = browser.ask(
+        "apart.html",
+        (1280, 800),
+        "({ names: coadjoint.scene().names, canvas: document.querySelector('#space canvas').getBoundingClientRect() })",
+    );
+    let names = shown["names"].as_array().expect("a list");
+    assert_eq!(names.len(), 6, "{names:?}");
+    let at = |name: &Value| ["x", "y", "half"].map(|part| number(&name[part]));
+    let [width, height] = ["width", "height"].map(|part| number(&shown["canvas"][part]));
+    for (k, name) in names.iter().enumerate() {
+        let [x, y, half] = at(name);
+        assert!(x - half >= 0.0 && x + half <= width && (7.0..height - 7.0).contains(&y), "{name}");
+        for other in &names[..k] {
+            let [left, top, beside] = at(other);
+            assert!((x - left).abs() > half + beside || (y - top).abs() > 14.0, "{name} over {other}");
+        }
+    }
 }
 
 #[test]

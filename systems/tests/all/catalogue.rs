@@ -192,7 +192,7 @@ fn entries_are_complete_and_consistent() {
         assert!(setup.parameters.len() >= count(entry.description.parameters), "{}", entry.name);
         assert_eq!(setup.state.len(), count(entry.description.state), "{}", entry.name);
         assert_eq!(setup.controls, vec![None; count(entry.description.controls)], "{}", entry.name);
-        assert_eq!(entry.columns().len(), setup.state.len() + 2, "{}", entry.name);
+        assert_eq!(entry.columns().len(), setup.state.len() + setup.controls.len() + 2, "{}", entry.name);
         assert!(
             entry.description.parameters.iter().all(|quantity| quantity.role == Role::Parameter),
             "{}",

@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use coadjoint::erased::{self, Description, Flat, RetractionKind};
 use coadjoint::prelude::*;
-use coadjoint::system::Isolated;
+use coadjoint::system::{Isolated, Quantity};
 use coadjoint::{Discretized, RightLift, System};
 use serde::{Deserialize, Serialize};
 
-use super::super::{Example, scene::Scene};
+use super::super::{Example, Observables, scene::Scene};
+use super::observable::Observable;
 use super::plotted::PlottedQuantities;
 use super::quantities::components;
 
@@ -46,8 +47,12 @@ pub struct Entry {
     pub(crate) body_inertia: fn(&[f64]) -> Option<Matrix3<f64>>,
     /// Completes the scene by its state alone with what these parameters tell.
     pub(crate) scene: fn(&[f64], Scene) -> Scene,
-    /// The quantities of its state that pictures show.
+    /// The quantities that pictures show.
     pub(crate) plotted: PlottedQuantities,
+    /// The controls that are shown with a state: none where they are not known.
+    pub(crate) controls: &'static [Quantity],
+    /// Quantities of its own that are shown behind them.
+    pub(crate) observables: Vec<Observable>,
 }
 
 /// Builds a method on a retraction, with these parameters and this step. None on retractions that not every system has
@@ -84,7 +89,13 @@ impl Entry {
             duration: S::DURATION,
             certified_step: S::CERTIFIED_STEP,
             description,
-            plotted: PlottedQuantities::of(&*build(&example.parameters), &example.state),
+            plotted: PlottedQuantities::of(
+                &*build(&example.parameters),
+                &example.state,
+                description.controls,
+            ),
+            controls: description.controls,
+            observables: Vec::new(),
             example,
             energy_unit: S::ENERGY_UNIT,
             casimir_units: S::CASIMIR_UNITS,
@@ -94,6 +105,7 @@ impl Entry {
             body_inertia: |parameters| system::<S>(parameters).body_inertia(),
             scene: |parameters, by_state| system::<S>(parameters).scene(by_state),
         }
+        .with_observables(observables(S::observables(Observables::default())))
     }
 
     /// The same system under another name, with another example: what is `about` it, and a step and a duration that
@@ -122,6 +134,15 @@ impl Entry {
             + Discretized<SymplecticEulerA<Cayley>>,
     {
         Self { right_lift: Some(right_lift::<S>), ..self }
+    }
+
+    /// With more quantities that are shown beside its state.
+    pub fn with_observables(mut self, observables: impl IntoIterator<Item = Observable>) -> Self {
+        for observable in observables {
+            self.plotted.push(&observable);
+            self.observables.push(observable);
+        }
+        self
     }
 
     /// The system with these parameters; what is missing is as in the example.
@@ -160,6 +181,26 @@ impl Entry {
         controls
     }
 
+    /// The same, of whose states it is not known which controls were at work.
+    pub(crate) fn without_controls(self) -> Self {
+        let system = self.system(&self.example.parameters);
+        let plotted = PlottedQuantities::of(&*system, &self.example.state, &[]);
+        let own = self.observables;
+        Self { controls: &[], plotted, observables: Vec::new(), ..self }.with_observables(own)
+    }
+
+    /// Collects the numbers that are shown of a state: its own, the controls, and its observables.
+    pub(crate) fn shown(
+        &self,
+        system: &dyn erased::System,
+        (state, time): (&[f64], f64),
+        controls: &[f64],
+    ) -> Vec<f64> {
+        let own = self.observables.iter().map(|own| own.value(system, state, time, controls));
+        let shown = if self.controls.is_empty() { &[] } else { controls };
+        state.iter().chain(shown).copied().chain(own).collect()
+    }
+
     /// Whether its energy is an invariant of the motion: no force acts, and neither time nor controls have a part in
     /// it.
     pub fn conserves_energy(&self) -> bool {
@@ -171,11 +212,14 @@ impl Entry {
         self.right_lift.is_some()
     }
 
-    /// The names of the columns of a trajectory: time, every component of the state, energy.
+    /// The names of the columns of a trajectory: time, every component of the state and of the controls, energy,
+    /// its observables.
     pub fn columns(&self) -> Vec<String> {
         let mut columns = vec!["time".to_owned()];
-        columns.extend(components(self.description.state).map(|component| component.name));
+        let components = [self.description.state, self.controls].into_iter().flat_map(components);
+        columns.extend(components.map(|component| component.name));
         columns.push("energy".to_owned());
+        columns.extend(self.observables.iter().map(|own| own.name.clone()));
         columns
     }
 
@@ -218,6 +262,19 @@ fn filled<A: AsMut<[f64]>>(mut array: A, numbers: &[f64]) -> A {
 /// The system with these parameters.
 fn system<S: Example>(parameters: &[f64]) -> S {
     S::from_parameters(&filled(S::example().0.to_parameters(), parameters))
+}
+
+/// Observables, the type of the system erased.
+fn observables<S: Example>(own: Observables<S>) -> impl Iterator<Item = Observable> {
+    own.0.into_iter().map(|(name, unit, value)| {
+        let example = S::example().1.to_components();
+        Observable::new(name, unit.to_owned(), move |erased, state, time, control| {
+            let state = S::State::from_components(&filled(example, state));
+            let control =
+                S::Control::from_components(&filled(S::Control::default().to_components(), control));
+            value(&system::<S>(&erased.parameters()), &state, time, &control)
+        })
+    })
 }
 
 fn control<S: Example>(parameters: &[f64]) -> ControlLaw {

@@ -2,6 +2,7 @@
 
 pub(crate) mod casimir;
 mod entry;
+mod observable;
 pub(crate) mod plotted;
 pub(crate) mod quantities;
 pub mod suggest;
@@ -9,6 +10,7 @@ pub mod suggest;
 use std::sync::{Arc, OnceLock};
 
 pub use entry::{ControlLaw, Entry, Setup};
+pub use observable::Observable;
 pub use quantities::{component_name, component_unit, unit};
 
 use crate::error::SetupError;

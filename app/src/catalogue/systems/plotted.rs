@@ -1,4 +1,4 @@
-//! The quantities of a state that pictures show: of a configuration that is a matrix its rotation and its vectors.
+//! The quantities that pictures show: of a configuration that is a matrix its rotation and its vectors.
 //!
 //! Nothing here knows a group: what its elements move is seen of some.
 
@@ -8,9 +8,10 @@ use std::ops::Range;
 use coadjoint::erased::{self, RetractionKind};
 #[cfg(test)]
 use coadjoint::system::Kind;
-use coadjoint::system::{Quantity, Role};
-use nalgebra::{DMatrix, Matrix3, Rotation3, UnitQuaternion};
+use coadjoint::system::{Quantity, Role, Side};
+use nalgebra::{DMatrix, Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
+use super::observable::Observable;
 use super::quantities::{component_unit, matrix_order, rotation, tangent_length};
 
 /// The most entries of a matrix that a plot tells apart.
@@ -18,56 +19,78 @@ const ENTRIES: usize = 6;
 /// Entries that differ by less are the same.
 const ROUNDOFF: f64 = 1e-9;
 
-/// The quantities of a state as pictures show them.
+/// The quantities of a state, and what goes with it, as pictures show them.
 #[derive(Clone, Debug)]
 pub(crate) struct PlottedQuantities {
-    quantities: Vec<PlottedQuantity>,
-    /// How many of them are plotted; behind them are the matrices, for what they move.
-    plotted: usize,
-    rotations: Vec<Vec<usize>>,
+    plotted: Vec<PlottedQuantity>,
+    /// For what they move.
+    matrices: Vec<PlottedQuantity>,
+    /// How many numbers a state is, and what is shown with it.
+    numbers: usize,
+    side: Side,
 }
 
-/// A quantity as pictures show it: one of the state, or a part of a matrix.
+/// A quantity as pictures show it: one of the state, a part of a matrix, or a control.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PlottedQuantity {
     pub(crate) name: String,
-    pub(crate) role: Role,
+    /// None of a quantity of the system's own.
+    pub(crate) role: Option<Role>,
     pub(crate) components: Vec<String>,
     /// Their units.
-    pub(crate) units: Vec<&'static str>,
+    pub(crate) units: Vec<String>,
     /// So many of its components are those of a rotation: four in space, two in the plane, none of a vector.
     pub(crate) rotation: usize,
     /// Whether it is a matrix, or a part of one.
     pub(crate) is_of_a_matrix: bool,
     /// Its place among the [numbers](PlottedQuantities::numbers).
     pub(crate) slots: Range<usize>,
-    /// Where its numbers are in a state: nine of a matrix's rotation in space.
+    /// Where its numbers are behind a state's: nine of a matrix's rotation in space.
     source: Vec<usize>,
+    /// Where its perturbation is in a tangent vector; of a matrix that of all of it.
+    tangent: Range<usize>,
 }
 
 impl PlottedQuantity {
     fn of(quantity: &Quantity, slots: Range<usize>) -> Self {
         Self {
             name: quantity.name.to_owned(),
-            role: quantity.role,
+            role: Some(quantity.role),
             components: quantity.components.iter().map(|&name| name.to_owned()).collect(),
-            units: (0..quantity.components.len()).map(|k| component_unit(quantity, k)).collect(),
+            units: (0..quantity.components.len()).map(|k| component_unit(quantity, k).to_owned()).collect(),
             rotation: rotation(quantity).map_or(0, |(count, _)| count),
             is_of_a_matrix: false,
             slots: 0..0,
             source: slots.collect(),
+            tangent: quantity.tangent(),
         }
     }
 
-    /// Writes its name in words. A matrix that is the only configuration has its name by default: its parts go without.
-    pub(crate) fn title(&self) -> String {
-        self.name.strip_prefix("element_").unwrap_or(&self.name).replace('_', " ")
+    /// Writes a name in words. A matrix that is the only configuration has its name by default: its parts go without.
+    pub(crate) fn title(name: &str) -> String {
+        name.strip_prefix("element_").unwrap_or(name).replace('_', " ")
+    }
+
+    /// Splits its name, if it is one of several: `wheels_momentum` and `0`, `wheel_momentum` and `x`.
+    fn place(&self) -> Option<(String, &str)> {
+        let is_place = |word: &&str| {
+            ["x", "y", "z"].contains(word) || word.chars().all(|letter| letter.is_ascii_digit())
+        };
+        let place = self.name.split('_').skip(1).find(is_place).filter(|word| !word.is_empty())?;
+        let rest: Vec<&str> = self.name.split('_').filter(|word| *word != place).collect();
+        Some((rest.join("_"), place))
+    }
+
+    /// Tells whether another one has the same components.
+    fn is_like(&self, other: &Self) -> bool {
+        let of = |of: &Self| (of.role, of.rotation, of.components.clone(), of.units.clone());
+        of(self) == of(other)
     }
 
     /// Tells whether it turns or moves in space, not only in a plane or on a line.
     fn is_spatial(&self) -> bool {
         match (self.rotation, self.components.len()) {
-            (4, _) => self.role == Role::Configuration,
+            (4, _) => self.role == Some(Role::Configuration),
             (2, _) => false,
             // parts of a matrix have fewer
             (_, count) => count == 3 || (self.is_of_a_matrix && count > ENTRIES),
@@ -76,48 +99,77 @@ impl PlottedQuantity {
 }
 
 impl PlottedQuantities {
-    /// Finds what pictures show of a system, with an example of its states.
-    pub(crate) fn of(system: &dyn erased::System, example: &[f64]) -> Self {
+    /// Finds what pictures show of a system, with an example of its states, and of the controls behind them.
+    pub(crate) fn of(system: &dyn erased::System, example: &[f64], controls: &[Quantity]) -> Self {
         let state = system.description().state;
-        let (mut quantities, mut matrices, mut rotations) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut plotted, mut matrices) = (Vec::new(), Vec::new());
         for ((quantity, slots), next) in
             Quantity::with_ranges(state).zip(state.iter().skip(1).chain([&state[0]]))
         {
             let own = PlottedQuantity::of(quantity, slots.clone());
-            let turning = match matrix_order(quantity) {
+            match matrix_order(quantity) {
                 Some(rows) => {
                     let parts =
                         Parts::of(&elements(system, example, (quantity, &slots), rows), next.components);
-                    quantities.extend(parts.shown(quantity, slots.start));
+                    plotted.extend(parts.shown(quantity, slots.start));
                     matrices.push(PlottedQuantity { is_of_a_matrix: true, ..own });
-                    parts.turning(slots.start)
                 }
-                None => {
-                    let turning = (slots.start..slots.start + own.rotation).collect();
-                    quantities.push(own);
-                    turning
-                }
-            };
-            rotations.extend((!turning.is_empty()).then_some(turning));
+                None => plotted.push(own),
+            }
         }
-        let plotted = quantities.len();
-        quantities.extend(matrices);
+        let behind = Quantity::with_ranges(controls);
+        plotted.extend(behind.map(|(control, slots)| {
+            PlottedQuantity::of(control, slots.start + example.len()..slots.end + example.len())
+        }));
+        let numbers = example.len() + controls.iter().map(|control| control.components.len()).sum::<usize>();
+        let mut all = Self { plotted, matrices, numbers, side: system.description().side };
+        all.arrange();
+        all
+    }
+
+    /// Adds a quantity of the system's own behind all others.
+    pub(crate) fn push(&mut self, own: &Observable) {
+        self.plotted.push(PlottedQuantity {
+            name: own.name.clone(),
+            role: None,
+            components: vec![String::new()],
+            units: vec![own.unit.clone()],
+            rotation: 0,
+            is_of_a_matrix: false,
+            slots: 0..0,
+            source: vec![self.numbers],
+            tangent: 0..0,
+        });
+        self.numbers += 1;
+        self.arrange();
+    }
+
+    /// Gives each quantity its place.
+    fn arrange(&mut self) {
         let mut end = 0;
-        for quantity in &mut quantities {
+        for quantity in self.plotted.iter_mut().chain(&mut self.matrices) {
             quantity.slots = end..end + quantity.components.len();
             end = quantity.slots.end;
         }
-        Self { quantities, plotted, rotations }
     }
 
     /// Lists what is plotted.
     pub(crate) fn all(&self) -> &[PlottedQuantity] {
-        &self.quantities[..self.plotted]
+        &self.plotted
+    }
+
+    /// Finds what a quantity is one of several of, as an element of an array, by a common name, and which of them it is.
+    pub(crate) fn array(&self, quantity: &PlottedQuantity) -> Option<(String, String)> {
+        let (stem, place) = quantity.place()?;
+        let is_beside = |other: &&PlottedQuantity| {
+            other.is_like(quantity) && other.place().is_some_and(|(other, _)| other == stem)
+        };
+        (self.all().iter().filter(is_beside).count() > 1).then(|| (stem, place.to_owned()))
     }
 
     /// Finds a quantity of this name, or a matrix.
     pub(crate) fn find(&self, name: &str) -> Option<&PlottedQuantity> {
-        self.quantities.iter().find(|quantity| quantity.name == name)
+        self.plotted.iter().chain(&self.matrices).find(|quantity| quantity.name == name)
     }
 
     /// Tells whether a quantity of this name turns or moves in space.
@@ -125,21 +177,58 @@ impl PlottedQuantities {
         self.find(name).is_some_and(PlottedQuantity::is_spatial)
     }
 
-    /// Lists where in a state the numbers of rotations are: of a quaternion, of a unit complex number or its column in
-    /// a matrix, of a matrix by rows.
-    pub(crate) fn rotations(&self) -> &[Vec<usize>] {
-        &self.rotations
+    /// Computes the angular velocity of each rotation in body axes, of one in the plane the first component, rad/s.
+    pub(crate) fn rates(
+        &self,
+        system: &dyn erased::System,
+        (state, time, control): (&[f64], f64, &[f64]),
+    ) -> Vec<[f64; 3]> {
+        let mut rotating = self.all().iter().filter(|quantity| quantity.rotation > 0).peekable();
+        if rotating.peek().is_none() {
+            return Vec::new();
+        }
+        let motion = system.motion(state, time, control);
+        let stored = match self.matrices.is_empty() {
+            true => Vec::new(),
+            false => system.vector_field(state, time, control),
+        };
+        let at = |numbers: &[f64], slot: usize| numbers.get(slot).copied().unwrap_or(f64::NAN);
+        let rate = |quantity: &PlottedQuantity| {
+            let source = &quantity.source;
+            let matrix = |of: &[f64]| Matrix3::from_row_iterator(source.iter().map(|&slot| at(of, slot)));
+            match (quantity.is_of_a_matrix, quantity.rotation) {
+                (true, 2) => {
+                    let [cosine, sine] = [source[0], source[1]];
+                    let turning =
+                        at(state, cosine) * at(&stored, sine) - at(state, sine) * at(&stored, cosine);
+                    [turning, 0.0, 0.0]
+                }
+                (true, _) => {
+                    let hat = matrix(state).tr_mul(&matrix(&stored));
+                    [hat[(2, 1)], hat[(0, 2)], hat[(1, 0)]]
+                }
+                (false, 2) => [at(&motion, quantity.tangent.start), 0.0, 0.0],
+                (false, _) => {
+                    let rate = Vector3::from_fn(|k, _| at(&motion, quantity.tangent.start + k));
+                    let [w, i, j, k] = [0, 1, 2, 3].map(|k| at(state, source[k]));
+                    let attitude = UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k));
+                    let is_of_space = self.side == Side::Right;
+                    if is_of_space { attitude.inverse() * rate } else { rate }.into()
+                }
+            }
+        };
+        rotating.map(rate).collect()
     }
 
-    /// Reads the numbers of all quantities, and of the matrices behind them, from a state.
+    /// Reads the numbers of all quantities, and of the matrices behind them, from a state and what goes with it.
     pub(crate) fn numbers<'s>(&self, state: &'s [f64]) -> Cow<'s, [f64]> {
-        if self.plotted == self.quantities.len() {
-            // no matrices: it is shown as it is
+        if self.matrices.is_empty() {
+            // it is shown as it is
             return Cow::Borrowed(state);
         }
         let at = |slot: &usize| state.get(*slot).copied().unwrap_or(f64::NAN);
         let mut numbers = Vec::with_capacity(state.len());
-        for PlottedQuantity { source, components, .. } in &self.quantities {
+        for PlottedQuantity { source, components, .. } in self.plotted.iter().chain(&self.matrices) {
             if source.len() == components.len() {
                 numbers.extend(source.iter().map(at));
                 continue;
@@ -233,19 +322,20 @@ impl Parts {
     fn shown(&self, matrix: &Quantity, start: usize) -> Vec<PlottedQuantity> {
         let quantity = |part: &str, components: &[&str], source: Vec<usize>| PlottedQuantity {
             name: if part.is_empty() { matrix.name.to_owned() } else { format!("{}_{part}", matrix.name) },
-            role: matrix.role,
+            role: Some(matrix.role),
             components: components.iter().map(|&name| name.to_owned()).collect(),
-            units: source.iter().map(|slot| component_unit(matrix, slot - start)).collect(),
+            units: source.iter().map(|slot| component_unit(matrix, slot - start).to_owned()).collect(),
             rotation: 0,
             is_of_a_matrix: true,
             slots: 0..0,
             source,
+            tangent: matrix.tangent(),
         };
         let slot = |row: usize, column: usize| start + row * self.rows + column;
         let mut shown = Vec::new();
         if self.turns > 0 {
             let components: &[&str] = if self.turns == 3 { &["w", "x", "y", "z"] } else { &["re", "im"] };
-            let (rotation, units) = (components.len(), vec![""; components.len()]);
+            let (rotation, units) = (components.len(), vec![String::new(); components.len()]);
             let turning = quantity("rotation", components, self.turning(start));
             shown.push(PlottedQuantity { rotation, units, ..turning });
         }
@@ -304,10 +394,20 @@ mod tests {
         let numbers = entry.plotted.numbers(&entry.example.state);
         assert_eq!(numbers[..7], [0.0, 1.0, 3.0, 5.0, 0.1, 0.2, 0.3]);
         // behind them the matrix
-        assert_eq!((numbers.len(), entry.plotted.quantities.len()), (16, 4));
-        assert_eq!(entry.plotted.rotations(), [[0, 3]]);
-        let units: Vec<&[&str]> = entry.plotted.all().iter().map(|quantity| &quantity.units[..]).collect();
-        assert_eq!(units, [&[""; 2][..], &["m"; 2], &["kg m²/s", "kg m/s", "kg m/s"]]);
+        assert_eq!((numbers.len(), entry.plotted.matrices.len()), (16, 1));
+        let (system, state) = (entry.system(&entry.example.parameters), &entry.example.state);
+        // momentum over inertia
+        let [[rate, ..]] = entry.plotted.rates(&*system, (state, 0.0, &[]))[..] else {
+            panic!("one rotation")
+        };
+        assert!((rate - 0.1).abs() < 1e-12, "{rate}");
+        let units: Vec<Vec<&str>> = entry
+            .plotted
+            .all()
+            .iter()
+            .map(|quantity| quantity.units.iter().map(String::as_str).collect())
+            .collect();
+        assert_eq!(units, [vec![""; 2], vec!["m"; 2], vec!["kg m²/s", "kg m/s", "kg m/s"]]);
         // a state without matrices is shown as it is
         let top = crate::tests::catalogue().system("heavy_top").expect("it is there");
         let names: Vec<&str> = top.plotted.all().iter().map(|quantity| quantity.name.as_str()).collect();

@@ -58,6 +58,14 @@ pub(super) fn pendulum(length: f64) -> Asked {
     Asked(entry)
 }
 
+/// A pendulum without weight that turns at this rate, rad/s, from an angle of 2.5 rad on.
+pub(super) fn rotor(rate: f64) -> Asked {
+    let mut entry = Pendulum::entry();
+    entry.example.parameters[1] = 0.0;
+    entry.example.state[2] = 0.64 * rate;
+    Asked(entry)
+}
+
 /// A brick that turns about its middle axis.
 pub(super) fn free_body() -> Asked {
     Asked(Body::entry())
@@ -88,6 +96,7 @@ impl Asked {
             watch: true,
             every: 1,
             columns: Vec::new(),
+            quantity: Vec::new(),
             format: None,
             plot: false,
             html: Some(html.to_owned()),

@@ -73,6 +73,7 @@ pub(crate) fn paper(
             job,
             columns: Vec::new(),
             every: EVERY,
+            quantity: Vec::new(),
             watch: true,
             format: Some(Format::Csv),
             plot: false,
