@@ -1,13 +1,16 @@
 //! Arguments that `run`, `view` and `ensemble` share: system, scheme, setup, step and duration.
 
+use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::Args;
 
 use super::console::Console;
 use super::program;
-use crate::catalogue::{Catalogue, Entry};
-use crate::error::{Error, SetupError};
+use crate::catalogue::{Catalogue, Entry, Input, Interpolation};
+use crate::error::{Error, FileError, SetupError};
+use crate::files::path::read_file;
 use crate::setup::config::{Config, RunConfig};
 use crate::setup::{Changes, Job, Method, MethodParser, Order, Retraction, Setup};
 use crate::units::rounded;
@@ -75,6 +78,15 @@ pub(crate) struct MotionArguments {
     /// Where steps do not add up to it, the last one is shorter; an ensemble ends after the step that is nearest.
     #[arg(long, value_name = "T", allow_hyphen_values = true)]
     pub(crate) duration: Option<f64>,
+    /// A table of controls that are functions of time
+    ///
+    /// A column `time`, s, and one for each component of a control, under its name. A step asks it where it needs it, so
+    /// that orders stay. Outside of its rows controls are held; a control without a column is as `--set` says, or zero.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) input: Option<PathBuf>,
+    /// What is between the rows of the table [default: cubic]
+    #[arg(long, value_enum, requires = "input")]
+    pub(crate) interpolation: Option<Interpolation>,
     /// The directory to write to; `-` writes the table to standard output
     #[arg(long, value_name = "DIR", default_value = "out", allow_hyphen_values = true)]
     pub(crate) out: PathBuf,
@@ -179,10 +191,20 @@ impl<'e> Motion<'e> {
         let usual = if is_ensemble { Retraction::Cayley } else { Retraction::Exponential };
         let retraction = scheme.retraction.unwrap_or_else(|| usual.or_first_of(entry));
         let job = Job { method, retraction, order: scheme.order.unwrap_or(Order::Two), step, steps, rest };
-        let (setup, notes) = changes.clone().finish()?;
+        let (mut setup, notes) = changes.clone().finish()?;
+        if let Some(file) = &asked.input {
+            let text = text(file).map_err(FileError::read(file))?;
+            let input = Input::parse(entry, file.clone(), &text, asked.interpolation.unwrap_or_default())?;
+            setup.input = Some(Arc::new(input));
+        }
         note.into_iter().chain(notes).try_for_each(|note| console.note(note))?;
         Ok(Self { entry, changes, setup, job })
     }
+}
+
+/// Reads a table of at most 256 MB.
+fn text(file: &Path) -> io::Result<String> {
+    String::from_utf8(read_file(file, 1 << 28)?).map_err(io::Error::other)
 }
 
 /// Checks that what was asked for beside a method means anything to it.

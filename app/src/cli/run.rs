@@ -174,7 +174,7 @@ fn planned(motion: &Motion<'_>, chosen: &ChosenRun) -> Plan {
         out: chosen.motion.out.clone(),
         pause: PAUSE,
         force: chosen.motion.force,
-        inputs: chosen.config.iter().cloned().collect(),
+        inputs: [&chosen.config, &chosen.motion.input].into_iter().flatten().cloned().collect(),
     }
 }
 

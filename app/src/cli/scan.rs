@@ -35,7 +35,7 @@ pub(super) fn scan(
     let scans = asked.iter().map(|text| Scan::parse(entry, text)).collect::<Result<Vec<_>, _>>()?;
     let points = Scan::grid(&scans)?;
     // else all of them would fail in the same way
-    stepper(entry, entry.system(&setup.parameters), job)?;
+    stepper(entry, entry.system(&setup.parameters), setup.input.clone(), job)?;
     let threads = threads::start()?;
     let MotionArguments { out, force, .. } = &arguments.chosen.motion;
     let run = Provenance { scan: asked.to_owned(), ..Provenance::of_run(entry, setup, job, 1) };

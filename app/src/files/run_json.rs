@@ -6,12 +6,13 @@ use std::io;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
+use clap::ValueEnum;
 use coadjoint::system::Quantity;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use super::path::{followed, is_special, is_stdout, read_file};
-use crate::catalogue::{Entry, program, unit};
+use crate::catalogue::{Entry, Interpolation, program, unit};
 use crate::error::{FileError, SetupError};
 use crate::setup::{Classical, Column, Job, Method, Order, Retraction, Setup, assignments};
 use crate::simulate::simulate;
@@ -59,6 +60,9 @@ pub struct Provenance {
     /// Whether errors are followed at every step between them.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub watch: bool,
+    /// The table of controls that are functions of time, and how it is interpolated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub input: Option<(PathBuf, Interpolation)>,
     /// Quantities of a user's own, as the command line takes them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub quantity: Vec<String>,
@@ -113,6 +117,7 @@ impl Provenance {
             steps: job.total(),
             duration: job.duration(),
             every,
+            input: setup.input.as_ref().map(|input| (input.file.clone(), input.interpolation)),
             columns: Vec::new(),
             watch: false,
             quantity: Vec::new(),
@@ -155,6 +160,17 @@ impl Provenance {
         }
         if !self.columns.is_empty() {
             option("columns", &self.columns.iter().map(|column| column.name()).collect::<Vec<_>>().join(","));
+        }
+        if let Some((file, interpolation)) = &self.input {
+            option("input", &file.display());
+            if *interpolation != Interpolation::default() {
+                option(
+                    "interpolation",
+                    &interpolation
+                        .to_possible_value()
+                        .map_or(String::new(), |name| name.get_name().to_owned()),
+                );
+            }
         }
         self.quantity.iter().for_each(|quantity| option("quantity", quantity));
         self.scan.iter().for_each(|scan| option("scan", scan));
@@ -231,6 +247,8 @@ impl Members {
 /// one, whatever it is called and wherever its source is.
 pub(crate) fn digest(entry: &Entry, setup: &Setup, job: &Job) -> u32 {
     let mut hasher = crc32fast::Hasher::new();
+    let input = setup.input.iter().flat_map(|input| input.numbers());
+    input.for_each(|number| hasher.update(&number.to_bits().to_le_bytes()));
     let job = Job { steps: 3, rest: 0.0, ..*job };
     // where a step cannot be taken, what was before it counts: the run itself tells of it
     let _ = simulate(entry, setup, &job, None, &|index| index + 1, &mut |sample| {

@@ -7,25 +7,33 @@ use coadjoint::system::{Quantity, Role};
 use coadjoint::{ParameterError, StepError};
 use coadjoint_classical::Diverged;
 
+use crate::catalogue::Input;
 use crate::catalogue::quantities::tangent_length;
 use crate::setup::Classical;
 
-/// Builds a stepper that takes the steps of a classical method of any system, by its vector field.
+/// Builds a stepper that takes the steps of a classical method of any system, by its vector field, driven by an input if there is one.
 ///
 /// # Errors
 /// If parameters or step are not valid.
 pub fn stepper(
     system: Arc<dyn erased::System>,
     classical: Classical,
+    input: Option<Arc<Input>>,
     step: f64,
 ) -> Result<erased::Stepper, ParameterError> {
     let scheme = classical.runge_kutta();
     let algebra = (classical == Classical::Rkmk4).then(|| Algebra::of(&*system));
+    // each stage asks for the input at its own time
+    let control = move |time: f64, at: &At<'_>| {
+        let mut control = at.control.to_vec();
+        input.iter().for_each(|input| input.write(time, &mut control));
+        control
+    };
     erased::Stepper::from_fn(system, step, move |system, at: &At<'_>, next| {
         let Some(algebra) = &algebra else {
             // for the numbers of the state as they are stored
             let mut field = |time: f64, x: &[f64], rate: &mut [f64]| {
-                rate.copy_from_slice(&system.vector_field(x, time, at.control));
+                rate.copy_from_slice(&system.vector_field(x, time, &control(time, at)));
             };
             let (end, iterations) =
                 scheme.advance(&mut field, at.time, at.state, at.step).map_err(failure)?;
@@ -36,7 +44,7 @@ pub fn stepper(
         // unknown is the displacement `z` from there, with `z' = (dL exp_z)⁻¹ ξ` for configurations
         let moved = |z: &[f64]| system.displace(at.state, erased::RetractionKind::Exponential, z);
         let mut field = |time: f64, z: &[f64], rate: &mut [f64]| {
-            rate.copy_from_slice(&system.motion(&moved(z), time, at.control));
+            rate.copy_from_slice(&system.motion(&moved(z), time, &control(time, at)));
             algebra.correct(z, rate);
         };
         let start = vec![0.0; algebra.length];

@@ -115,7 +115,7 @@ pub fn run(
         )?)
     } else {
         let member = |(index, (parameters, state)): (usize, (Vec<f64>, Vec<f64>))| {
-            let stepper = stepper(entry, entry.system(&parameters), &spec.job)
+            let stepper = stepper(entry, entry.system(&parameters), setup.input.clone(), &spec.job)
                 .map_err(|source| RunError::Member { member: index, source: Box::new(source) })?;
             Ok(Member { index, stepper, state, failure: None })
         };
@@ -139,7 +139,7 @@ pub fn run(
         // up to the next look
         let count = (every - taken % every).min(steps - taken).min(at_once);
         let start = std::time::Instant::now();
-        member_steps += moving.advance(count, &laws, entry);
+        member_steps += moving.advance(count, (&laws, setup.input.is_some()), entry);
         seconds += start.elapsed().as_secs_f64();
         taken += count;
     }
@@ -155,6 +155,9 @@ enum EnsembleBackend {
     OneByOne(Vec<Member>),
 }
 
+/// The law of each member, none of systems without controls, and whether they are functions of time alone.
+type Laws<'a> = (&'a [ControlLaw], bool);
+
 struct Member {
     index: usize,
     stepper: erased::Stepper,
@@ -164,12 +167,13 @@ struct Member {
 
 impl Member {
     /// Takes steps, unless it failed before; returns their number.
-    fn advance(&mut self, steps: u64, laws: &[ControlLaw], entry: &Entry) -> u64 {
+    fn advance(&mut self, steps: u64, (laws, is_driven): Laws<'_>, entry: &Entry) -> u64 {
         if self.failure.is_some() {
             return 0;
         }
         let run = Run::new(&mut self.stepper, &mut self.state);
         let ran = match laws.get(self.index) {
+            Some(law) if is_driven => run.driven_by(|time| entry.chosen(law, (&[], time))).steps(steps),
             Some(law) => run.controlled_by(|state, time| entry.chosen(law, (state, time))).steps(steps),
             None => run.steps(steps),
         };
@@ -185,13 +189,16 @@ impl Member {
 
 impl EnsembleBackend {
     /// Steps all members that have not failed; returns the number of all their steps.
-    fn advance(&mut self, steps: u64, laws: &[ControlLaw], entry: &Entry) -> u64 {
+    fn advance(&mut self, steps: u64, (laws, is_driven): Laws<'_>, entry: &Entry) -> u64 {
         match self {
             Self::SideBySide(ensemble) if laws.is_empty() => ensemble.run(steps),
+            Self::SideBySide(ensemble) if is_driven => {
+                ensemble.run_driven(steps, &|member, time, control| laws[member](&[], time, control))
+            }
             Self::SideBySide(ensemble) => ensemble
                 .run_controlled(steps, &|member, state, time, control| laws[member](state, time, control)),
             Self::OneByOne(members) => {
-                members.par_iter_mut().map(|member| member.advance(steps, laws, entry)).sum()
+                members.par_iter_mut().map(|member| member.advance(steps, (laws, is_driven), entry)).sum()
             }
         }
     }

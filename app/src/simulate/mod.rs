@@ -25,7 +25,7 @@ pub use classical::stepper as classical_stepper;
 pub use estimate::{Distance, ErrorEstimate, error_estimate};
 pub(crate) use too_far::slowed;
 
-use crate::catalogue::{ControlLaw, Entry, Setup};
+use crate::catalogue::{ControlLaw, Entry, Input, Setup};
 use crate::error::{RunError, SetupError};
 pub use crate::record::Sample;
 use crate::setup::{Job, Method, Order, Retraction};
@@ -106,13 +106,14 @@ fn not_certified(method: Method) -> SetupError {
 pub(crate) fn stepper(
     entry: &Entry,
     system: Arc<dyn erased::System>,
+    input: Option<Arc<Input>>,
     job: &Job,
 ) -> Result<erased::Stepper, RunError> {
     let &Job { method, retraction, order, step, .. } = job;
     let stepper = match method {
         Method::Classical(classical) => {
             check_order(method, order)?;
-            classical_stepper(system, classical, step)
+            classical_stepper(system, classical, input, step)
         }
         Method::RightLift => {
             check_order(method, order)?;
@@ -152,20 +153,23 @@ pub fn simulate(
     observer: &mut SampleObserver<'_>,
 ) -> Result<RunReport, RunError> {
     let system = entry.system(&setup.parameters);
-    let mut stepper = stepper(entry, system.clone(), job)?;
+    let mut stepper = stepper(entry, system.clone(), setup.input.clone(), job)?;
     let mut state = setup.state.clone();
     if let Some(from) = from {
         state.clone_from(&from.state);
         stepper.restore(&from.memory).map_err(StepperError::from)?;
     }
     let held: Option<Vec<f64>> = setup.controls.iter().copied().collect();
-    let law = if held.is_some() { None } else { entry.law(setup) };
+    let law = if held.is_some() && setup.input.is_none() { None } else { entry.law(setup) };
     let held = held.unwrap_or_default();
     let mut watched =
         Watched { entry, law: law.as_ref(), held: &held, next, observer, due: 0, last: job.total() };
     let mut walk = |stepper: &mut erased::Stepper, state: &mut Vec<f64>, steps: u64| {
         let run = Run::new(stepper, state).observe(&mut watched);
         match &law {
+            Some(law) if setup.input.is_some() => {
+                run.driven_by(|time| entry.chosen(law, (&[], time))).steps(steps)
+            }
             Some(law) => run.controlled_by(|state, time| entry.chosen(law, (state, time))).steps(steps),
             None => run.with_control(held.clone()).steps(steps),
         }
@@ -248,7 +252,7 @@ pub(crate) fn has_method(entry: &Entry, method: Method) -> bool {
     let system = entry.system(&entry.example.parameters);
     let is_there = |retraction: Retraction| {
         let job = Job { method, retraction, order: Order::Two, step: entry.step, steps: 0, rest: 0.0 };
-        stepper(entry, system.clone(), &job).is_ok()
+        stepper(entry, system.clone(), None, &job).is_ok()
     };
     Retraction::COMMON.into_iter().any(is_there)
 }

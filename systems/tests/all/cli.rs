@@ -1,6 +1,7 @@
 //! The program as people meet it: the real binary, its output, its files, its exit codes.
 
 mod ensembles;
+mod inputs;
 mod mistakes;
 mod output;
 mod runs;

@@ -66,6 +66,7 @@ mod cli;
 mod conservation;
 mod groups;
 mod hostile;
+mod inputs;
 mod physics;
 mod textbooks;
 mod three_levels;

@@ -9,6 +9,7 @@ use coadjoint::{Discretized, RightLift, System};
 use serde::{Deserialize, Serialize};
 
 use super::super::{Example, Observables, scene::Scene};
+use super::input::Input;
 use super::observable::Observable;
 use super::plotted::PlottedQuantities;
 use super::quantities::components;
@@ -71,6 +72,8 @@ pub struct Setup {
     pub state: Vec<f64>,
     /// The controls' components, where they are held all the time; where there is none, the system's own law chooses.
     pub controls: Vec<Option<f64>>,
+    /// Controls that are functions of time; of those that it has no column for, what is not held is zero.
+    pub input: Option<Arc<Input>>,
 }
 
 impl Entry {
@@ -150,15 +153,20 @@ impl Entry {
         (self.build)(parameters)
     }
 
-    /// Builds the control law: the controls that are held, and for the others its own law. None if it has
+    /// Builds the control law: the controls that are held, and for the others its own law; or what an input says, whatever the state. None if it has
     /// no controls.
     pub fn law(&self, setup: &Setup) -> Option<ControlLaw> {
         let own = self.control?(&setup.parameters);
-        let held = setup.controls.clone();
+        let (held, input) = (setup.controls.clone(), setup.input.clone());
         Some(Box::new(move |state, time, to| {
-            own(state, time, to);
+            if input.is_none() {
+                own(state, time, to);
+            }
             for (to, held) in to.iter_mut().zip(&held) {
                 *to = held.unwrap_or(*to);
+            }
+            if let Some(input) = &input {
+                input.write(time, to);
             }
         }))
     }
@@ -250,6 +258,7 @@ fn flat<S: System<Scalar = f64>>((system, state): &(S, S::State)) -> Setup {
         parameters: system.to_parameters().as_ref().to_vec(),
         state: state.to_components().as_ref().to_vec(),
         controls: vec![None; S::Control::default().to_components().as_ref().len()],
+        input: None,
     }
 }
 

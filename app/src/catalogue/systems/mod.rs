@@ -2,6 +2,7 @@
 
 pub(crate) mod casimir;
 mod entry;
+mod input;
 mod observable;
 pub(crate) mod plotted;
 pub(crate) mod quantities;
@@ -10,6 +11,7 @@ pub mod suggest;
 use std::sync::{Arc, OnceLock};
 
 pub use entry::{ControlLaw, Entry, Setup};
+pub use input::{Input, Interpolation};
 pub use observable::Observable;
 pub use quantities::{component_name, component_unit, unit};
 

@@ -1,0 +1,57 @@
+//! Controls from tables.
+
+use super::{Scratch, text};
+
+#[test]
+fn a_run_is_driven_by_a_table_and_made_again() {
+    let scratch = Scratch::new("input");
+    let table = |thrust: f64| {
+        let rows = (0..5).map(|k| format!("{},{}\n", f64::from(k) * 0.25, thrust + f64::from(k)));
+        format!("time,thrust\n{}", rows.collect::<String>())
+    };
+    std::fs::write(scratch.0.join("thrust.csv"), table(12.0)).expect("written");
+    let run = ["run", "quadrotor", "--duration", "1", "--step", "0.05", "--input", "thrust.csv"];
+    scratch.prints(&run);
+    let name = scratch.files("out").into_iter().find(|name| name.ends_with(".csv")).expect("a table");
+    let written = scratch.read(&format!("out/{name}"));
+    let thrust = written.lines().next().expect("a header").split(',').position(|column| column == "thrust");
+    let column: Vec<f64> = written
+        .lines()
+        .skip(1)
+        .map(|row| row.split(',').nth(thrust.expect("a column")).expect("a cell").parse().expect("a number"))
+        .collect();
+    // linear in the table, and so in the spline
+    for (k, thrust) in column.iter().enumerate() {
+        assert!((thrust - (12.0 + 0.2 * k as f64)).abs() < 1e-12, "{column:?}");
+    }
+    let beside = scratch.read(&format!("out/{}", name.replace(".csv", ".run.json")));
+    assert!(beside.contains("--input thrust.csv"), "{beside}");
+
+    scratch.prints(&["run", "--again", &format!("out/{name}"), "--out", "again"]);
+    assert_eq!(scratch.read(&format!("again/{name}")), written);
+    // with another table it is another run
+    std::fs::write(scratch.0.join("thrust.csv"), table(12.5)).expect("written");
+    let output = scratch.coadjoint(&["run", "--again", &format!("out/{name}"), "--out", "third"]);
+    assert_ne!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    scratch.prints(&run);
+    assert_eq!(scratch.files("out").iter().filter(|name| name.ends_with(".csv")).count(), 2);
+
+    scratch.prints(&["ensemble", "quadrotor", "--members", "9", "--duration", "1", "--input", "thrust.csv"]);
+}
+
+#[test]
+fn a_table_that_is_none_is_refused() {
+    let scratch = Scratch::new("no-input");
+    std::fs::write(scratch.0.join("thrust.csv"), "time,trust\n0,1\n1,2\n").expect("written");
+    for (arguments, expected) in [
+        (&["run", "quadrotor", "--input", "thrust.csv"][..], "has no control `trust`: it has"),
+        (&["run", "heavy_top", "--input", "thrust.csv"], "it has none"),
+        (&["run", "quadrotor", "--input", "missing.csv"], "missing.csv"),
+        (&["run", "quadrotor", "--interpolation", "linear"], "--input"),
+    ] {
+        let output = scratch.coadjoint(arguments);
+        let message = text(&output.stderr);
+        assert!(!output.status.success() && message.contains(expected), "{message}");
+    }
+    assert!(scratch.files("out").is_empty());
+}
