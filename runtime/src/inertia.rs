@@ -13,13 +13,9 @@ pub fn require_finite<T: Real>(name: &'static str, components: &[T]) -> Result<(
 /// with seven digits.
 const ASYMMETRY: f64 = 1e-6;
 
-/// A square matrix (flat, order `dimension`) equal to its transpose up to 1e-6 of its largest entry, or an error naming the parameter.
-#[doc(hidden)]
-pub fn require_symmetric<T: Real>(
-    name: &'static str,
-    entries: &[T],
-    dimension: usize,
-) -> Result<(), ParameterError> {
+/// The largest difference between mirrored entries of a square matrix (flat, order `dimension`), and whether that is no more than
+/// [`ASYMMETRY`] of its largest entry.
+fn asymmetry<T: Real>(entries: &[T], dimension: usize) -> (f64, bool) {
     let entry = |i: usize, j: usize| entries.get(i * dimension + j).map_or(f64::NAN, |x| x.to_f64());
     let mut difference: f64 = 0.0;
     let mut largest: f64 = 0.0;
@@ -29,22 +25,33 @@ pub fn require_symmetric<T: Real>(
             difference = difference.max((entry(i, j) - entry(j, i)).abs());
         }
     }
-    if difference <= ASYMMETRY * largest {
-        Ok(())
-    } else {
-        Err(ParameterError::NotSymmetric { name, difference })
+    (difference, difference <= ASYMMETRY * largest)
+}
+
+/// A square matrix (flat, order `dimension`) equal to its transpose up to 1e-6 of its largest entry, or an error naming the parameter.
+#[doc(hidden)]
+pub fn require_symmetric<T: Real>(
+    name: &'static str,
+    entries: &[T],
+    dimension: usize,
+) -> Result<(), ParameterError> {
+    match asymmetry(entries, dimension) {
+        (_, true) => Ok(()),
+        (difference, false) => Err(ParameterError::NotSymmetric { name, difference }),
     }
 }
 
-/// The symmetric part of a square matrix (flat, order `dimension`); one that is symmetric stays as it is.
+/// The symmetric part of a square matrix (flat, order `dimension`) that is [nearly so](require_symmetric). One that is symmetric, or far
+/// from it, stays as it is.
 #[doc(hidden)]
-#[inline]
 pub fn symmetric_part<T: Real, const N: usize>(entries: [T; N], dimension: usize) -> [T; N] {
     let mut symmetric = entries;
-    for (place, entry) in symmetric.iter_mut().enumerate() {
-        let mirrored = entries.get(place % dimension * dimension + place / dimension);
-        if let Some(&mirrored) = mirrored.filter(|&mirrored| mirrored != entry) {
-            *entry = T::of(0.5) * (*entry + mirrored);
+    if let (difference, true) = asymmetry(&entries, dimension)
+        && difference > 0.0
+    {
+        for (place, entry) in symmetric.iter_mut().enumerate() {
+            let mirrored = entries.get(place % dimension * dimension + place / dimension);
+            *entry = T::of(0.5) * (*entry + mirrored.copied().unwrap_or(*entry));
         }
     }
     symmetric
