@@ -14,7 +14,7 @@ pub use crate::retraction::{Cayley, Exponential};
 pub use crate::scheme::{Midpoint, StormerVerlet, SymplecticEulerA, SymplecticEulerB};
 pub use crate::stepper::Stepper;
 pub use crate::system::{Control as _, NoControl, State as _, System as _};
-pub use crate::{lie_group, lie_poisson_system};
+pub use crate::{expression, lie_group, lie_poisson_system};
 pub use crate::{matrix, vector};
 pub use nalgebra::{
     Isometry2, Isometry3, Matrix1, Matrix2, Matrix3, Matrix4, Matrix5, Matrix6, Point2, Point3, Quaternion,

@@ -30,6 +30,7 @@ impl<'a> System<'a> {
         let (momenta, velocities) = (Vec::new(), Vec::new());
         let mut builder =
             Builder { arena, description, scope: Scope::new(), diagnostics, momenta, velocities };
+        builder.scope.functions.clone_from(&description.attribute.functions);
         description.unknown.iter().for_each(|name| builder.scope.define_unknown(name));
         let (parameters, values) = builder.parameters();
         let mut factors: Vec<Factor<'a>> =
