@@ -94,6 +94,7 @@ mod schemes;
 mod serialization;
 mod snapshot;
 mod solve;
+mod spline;
 pub mod stepper;
 pub mod system;
 #[cfg(all(test, feature = "std"))]
@@ -238,6 +239,7 @@ pub use schemes::CoefficientSet;
 pub use schemes::{ConservedCasimirs, ParseSchemeError, Properties, Scheme, SchemeType};
 #[cfg(feature = "serde")]
 pub use serde;
+pub use spline::Spline;
 pub use stepper::{StepReport, Stepper};
 pub use system::{Control, Discretized, Kind, NoControl, Quantity, Role, Side, State, System};
 
@@ -246,6 +248,7 @@ pub use system::{Control, Discretized, Kind, NoControl, Quantity, Role, Side, St
 pub mod __private {
     pub use crate::__copied as copied;
     pub use crate::__serialization as serialization;
+    pub use crate::Spline;
     pub use crate::derivative::{
         Derives, Differentiable, Entry, Linearized, LinearizedSchemes, LinearizedVisitor, add_product,
     };

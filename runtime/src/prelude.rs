@@ -4,6 +4,7 @@
 //! come along, so that names as common as `System`, `State` and `Control` are left to others: what is written out is imported by its name,
 //! `use coadjoint::{Run, System};`.
 
+pub use crate::Spline as _;
 #[cfg(feature = "std")]
 pub use crate::compensated::Compensated;
 pub use crate::composition::{Order4, Order6, Order8, Order10};

@@ -357,6 +357,15 @@ fn constructs() {
         "a.powi(if a < 1.0 { 2 } else { 3 })",
         &[("if a < 1.0 { 2 } else { 3 }", "`powi` takes an integer literal")],
     );
+    complains(
+        "lengths.spline(0.0, 1.0, chi)",
+        &[("chi", "`spline` takes numbers, but this is a vector of 3")],
+    );
+    complains("lengths.spline(1.0, 1.0, a)", &[("1.0", "the last knot lies beyond the first")]);
+    complains(
+        "spins.spline(0.0, 1.0, a)",
+        &[("spline", "a spline goes through an array of two numbers or more")],
+    );
     complains("match a { _ => a }", &[("match", "write `if … else …` in the place of `match`")]);
     complains("for x in y { }", &[("for", "a loop is not supported here")]);
     complains("loop { }", &[("loop", "a loop is not supported here")]);

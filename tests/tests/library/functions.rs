@@ -1,8 +1,10 @@
-//! Functions of the user's own in expressions mean what they would mean written out.
+//! Functions of the user's own in expressions mean what they would mean written out, and tables what the library makes of them.
 // in a test, a panic is the report
 #![allow(clippy::unwrap_used)]
 
-use coadjoint::derivative::WrtState;
+use coadjoint::Ensemble;
+use coadjoint::certify::Certification;
+use coadjoint::derivative::{WrtParameters, WrtState};
 use coadjoint::prelude::*;
 
 mod air {
@@ -114,4 +116,83 @@ fn a_function_may_be_local() {
     let mut stepper = trap.stepper::<Order4<Exponential>>(0.01).unwrap();
     (0..1000).for_each(|_| _ = stepper.step(&mut state).unwrap());
     assert!((trap.energy(&state) - start).abs() < 1e-7);
+}
+
+/// A bead on a wire whose height is known at some places, in wind that is known at some times.
+#[lie_poisson_system(
+    group = R1,
+    potential = mass * gravity * height.spline(-length, length, position.x),
+    force = vector![wind.spline(0.0, 3.0, t) - drag * velocity.x],
+    methods(Midpoint),
+    derivatives(state, parameters),
+)]
+#[derive(Clone)]
+struct Bead {
+    #[inertia]
+    mass: f64,
+    gravity: f64,
+    length: f64,
+    height: [f64; 8],
+    wind: [f64; 3],
+    drag: f64,
+}
+
+fn bead() -> Bead {
+    let height = [1.0, 0.3, 0.1, -0.2, 0.0, 0.3, 0.8, 0.9];
+    Bead { mass: 2.0, gravity: 9.81, length: 1.4, height, wind: [0.3, -0.5, 0.2], drag: 0.1 }
+}
+
+#[test]
+fn tables_are_splines() {
+    let bead = bead();
+    let at = |x: f64| BeadState { position: vector![x], momentum: vector![0.7] };
+    for k in -40..=40 {
+        // knots among them, and places before and behind
+        let x = 0.05 * f64::from(k);
+        let expected = 2.0 * 9.81 * bead.height.spline(-1.4, 1.4, x) + 0.49 / 4.0;
+        assert!((bead.energy(&at(x)) - expected).abs() < 1e-13, "{x}");
+        assert!((bead.potential(&at(x)) + 0.49 / 4.0 - expected).abs() < 1e-13, "{x}");
+    }
+    // forces, second derivatives and all else between knots, and with controls of time
+    let states = [0.31, -0.67, 1.1].map(at);
+    let report = Certification::new(&bead).states(&states).time(0.2).run::<Midpoint>().unwrap();
+    assert!(report.passed(), "{report}");
+}
+
+#[test]
+fn members_look_up_tables_as_alone() {
+    let starts: Vec<_> = (0..9)
+        .map(|k| BeadState { position: vector![0.4 * f64::from(k) - 1.6], momentum: vector![0.0] })
+        .collect();
+    let mut ensemble = Ensemble::<_, Exponential>::new(&vec![bead(); 9], starts.clone(), 0.01).unwrap();
+    ensemble.run(300);
+    for (together, mut alone) in ensemble.states().zip(starts) {
+        let mut stepper = bead().stepper::<Exponential>(0.01).unwrap();
+        (0..300).for_each(|_| _ = stepper.step(&mut alone).unwrap());
+        assert_eq!(together, alone);
+    }
+}
+
+#[test]
+fn derivatives_by_the_values_of_a_table() {
+    let step = |bead: Bead| {
+        let mut state = BeadState { position: vector![0.33], momentum: vector![0.7] };
+        let mut stepper = bead.stepper::<Midpoint>(0.2).unwrap();
+        stepper
+            .step_with_jacobian(&mut state, &NoControl::default(), WrtParameters)
+            .map(|step| (state, step.0))
+            .unwrap()
+    };
+    let (_, by) = step(bead());
+    let h = 1e-5;
+    for k in 0..8 {
+        let momentum = |change: f64| {
+            let mut bead = bead();
+            bead.height[k] += change;
+            step(bead).0.momentum.x
+        };
+        let difference = (momentum(h) - momentum(-h)) / (2.0 * h);
+        // mass, gravity and length come first
+        assert!((by[(1, 3 + k)] - difference).abs() < 1e-8, "{k}: {} for {difference}", by[(1, 3 + k)]);
+    }
 }
