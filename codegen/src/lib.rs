@@ -38,9 +38,9 @@ use diagnostics::Diagnostics;
 use emit::{Expansion, Names};
 use expr::Arena;
 use group::Retraction;
-pub use lie_group::lie_group;
+pub use lie_group::{expression, lie_group};
 use model::System;
-use parse::{Attribute, Definition, Item};
+use parse::{Attribute, Item};
 use program::Program;
 use scheme::Scheme;
 
@@ -48,10 +48,10 @@ use scheme::Scheme;
 /// user's tokens, beside as much of the expansion as can be made, or beside something that has all its names, so that
 /// one mistake does not bring others with it.
 pub fn lie_poisson_system(attribute: TokenStream, item: TokenStream) -> TokenStream {
-    expand_with(attribute, item, Vec::new(), &TokenStream::new())
+    expand_with(attribute, item, Default::default(), &TokenStream::new())
 }
 
-/// The whole of what the macro of a user's own group calls, with the definition that it hands back.
+/// The whole of what the macro of a user's own group or function calls, with the definition that it hands back.
 pub fn lie_poisson_system_with(input: TokenStream) -> TokenStream {
     match lie_group::answer(input) {
         Ok((definitions, [known, attribute, item])) => expand_with(attribute, item, definitions, &known),
@@ -59,16 +59,16 @@ pub fn lie_poisson_system_with(input: TokenStream) -> TokenStream {
     }
 }
 
-/// The same with the definitions of groups of the user's own, as far as they are known.
+/// The same with the definitions of groups and functions of the user's own, as far as they are known.
 fn expand_with(
     tokens: TokenStream,
     item: TokenStream,
-    definitions: Vec<Definition>,
+    definitions: lie_group::Definitions,
     known: &TokenStream,
 ) -> TokenStream {
     let mut diagnostics = Diagnostics::new();
     let mut attribute = Attribute::parse(tokens.clone(), &method::known(), &mut diagnostics);
-    attribute.definitions = definitions;
+    (attribute.definitions, attribute.functions) = definitions;
     if let Some(question) = lie_group::request_definition(&attribute, known, &tokens, &item) {
         return question;
     }

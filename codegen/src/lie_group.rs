@@ -1,8 +1,9 @@
-//! Groups of a user's own, beside the systems on them: `lie_group! { pub Shears = matrices { … } }`, and
-//! `group = Shears!`.
+//! Groups and functions of a user's own, beside the systems that name them: `lie_group! { pub Shears = matrices { … } }`
+//! and `group = Shears!`, `#[expression] fn density(h: f64) -> f64 { … }` and `density(position.z)`.
 //!
 //! An attribute sees its own tokens alone. So `lie_group!` makes a macro of the group's name, which knows the
-//! definition, and a system on such a group is handed to that macro, which hands it back with the definition beside it:
+//! definition, and a system on such a group is handed to that macro, which hands it back with the definition beside it.
+//! A function's macro has its name too: macros and functions do not come in each other's way.
 //!
 //! ```text
 //! #[lie_poisson_system(group = Shears!)] struct …
@@ -13,12 +14,12 @@
 use proc_macro2::{Group as Tokens, Ident, Literal, TokenStream};
 use quote::{ToTokens, format_ident, quote};
 use syn::parse::{ParseStream, Parser};
-use syn::{LitStr, Token, Visibility};
+use syn::{ItemFn, LitStr, Token, Visibility};
 
 use crate::check::groups;
 use crate::diagnostics::{Diagnostics, Explained};
 use crate::limits;
-use crate::parse::{Attribute, Definition, Group, group, nested};
+use crate::parse::{Attribute, Definition, Group, OwnFunction, calls, group, nested};
 
 /// `pub Shears = matrices { … }`, with documentation.
 struct Declaration {
@@ -104,6 +105,43 @@ impl Declaration {
     }
 }
 
+/// The whole of `#[expression]`: the function, and a macro that hands it to systems.
+pub fn expression(attribute: TokenStream, item: TokenStream) -> TokenStream {
+    if let Some((span, message)) = nested(&item) {
+        return syn::Error::new(span, message).into_compile_error();
+    }
+    let macro_rules = function_macro(attribute, item.clone()).unwrap_or_else(syn::Error::into_compile_error);
+    quote! { #item #macro_rules }
+}
+
+fn function_macro(attribute: TokenStream, item: TokenStream) -> syn::Result<TokenStream> {
+    if !attribute.is_empty() {
+        return Err(syn::Error::new_spanned(attribute, "`#[expression]` takes nothing"));
+    }
+    let ItemFn { vis, sig, block, .. } =
+        syn::parse2(item).explained("`#[expression]` stands above a function")?;
+    if !sig.generics.params.is_empty() {
+        return Err(syn::Error::new_spanned(sig.generics, "write the types of an expression's arguments"));
+    }
+    let (name, hidden) = (&sig.ident, format_ident!("__function_{}", sig.ident));
+    // it is known in its crate
+    let visibility = match vis {
+        Visibility::Public(_) => quote! { pub(crate) },
+        vis => quote! { #vis },
+    };
+    Ok(quote! {
+        #[doc(hidden)]
+        #[allow(unused_macros)]
+        macro_rules! #hidden {
+            (($($callback:tt)*) $path:literal { $($known:tt)* } $attribute:tt $item:tt) => {
+                $($callback)*! { { $($known)* $path => #sig #block; } $attribute $item }
+            };
+        }
+        #[allow(unused_imports)]
+        #visibility use #hidden as #name;
+    })
+}
+
 /// Asks for the first definition that a system needs and that is not known; nothing if none is missing.
 pub(crate) fn request_definition(
     attribute: &Attribute,
@@ -117,7 +155,8 @@ pub(crate) fn request_definition(
         let text = path.to_token_stream().to_string();
         attribute.definitions.iter().all(|definition| definition.path != text)
     };
-    let path = own.chain(inner).find(is_missing)?;
+    let group = own.chain(inner).find(is_missing).cloned();
+    let path = group.or_else(|| missing_function(attribute))?;
     let text = Literal::string(&path.to_token_stream().to_string());
     let krate = attribute.krate.as_ref().map_or_else(|| quote! { ::coadjoint }, ToTokens::to_token_stream);
     Some(quote! {
@@ -125,8 +164,20 @@ pub(crate) fn request_definition(
     })
 }
 
-/// Reads what a group's macro hands back: the definitions, and the tokens of these, of the attribute and of the item.
-pub(crate) fn answer(input: TokenStream) -> syn::Result<(Vec<Definition>, [TokenStream; 3])> {
+/// The first function that expressions call, or that one of those calls, and that is not known.
+fn missing_function(attribute: &Attribute) -> Option<syn::Path> {
+    let energies = attribute.energies.iter().map(|(_, value)| value);
+    let values = energies.chain(attribute.forces.iter().map(|force| &force.value));
+    let called = values.flat_map(|value| calls(value.to_token_stream()));
+    let mut called = called.chain(attribute.functions.iter().flat_map(OwnFunction::calls));
+    called.find(|path| attribute.functions.iter().all(|function| function.path != *path))
+}
+
+/// Definitions of groups and of functions.
+pub(crate) type Definitions = (Vec<Definition>, Vec<OwnFunction>);
+
+/// Reads what such a macro hands back: the definitions, and the tokens of these, of the attribute and of the item.
+pub(crate) fn answer(input: TokenStream) -> syn::Result<(Definitions, [TokenStream; 3])> {
     let read = |input: ParseStream<'_>| {
         let part = || input.parse::<Tokens>().map(|group| group.stream());
         let (known, attribute, item) = (part()?, part()?, part()?);
@@ -135,17 +186,21 @@ pub(crate) fn answer(input: TokenStream) -> syn::Result<(Vec<Definition>, [Token
     read.parse2(input)
 }
 
-/// `"Shears" => Shears = matrices { … };`, and others.
-fn definitions(input: ParseStream<'_>) -> syn::Result<Vec<Definition>> {
-    let mut all = Vec::new();
+/// `"Shears" => Shears = matrices { … }; "density" => fn density(h: f64) -> f64 { … };`, and others.
+fn definitions(input: ParseStream<'_>) -> syn::Result<Definitions> {
+    let (mut groups, mut functions) = (Vec::new(), Vec::new());
     while !input.is_empty() {
         let path: LitStr = input.parse()?;
         input.parse::<Token![=>]>()?;
-        let name = input.parse()?;
-        input.parse::<Token![=]>()?;
-        let (_, group) = definition(input)?;
+        if input.peek(Token![fn]) || input.peek(Token![const]) {
+            functions.push(OwnFunction::parse(path.parse()?, input)?);
+        } else {
+            let name = input.parse()?;
+            input.parse::<Token![=]>()?;
+            let (_, group) = definition(input)?;
+            groups.push(Definition { path: path.value(), name, group });
+        }
         input.parse::<Token![;]>()?;
-        all.push(Definition { path: path.value(), name, group });
     }
-    Ok(all)
+    Ok((groups, functions))
 }

@@ -71,6 +71,23 @@ pub fn lie_group(input: TokenStream) -> TokenStream {
     coadjoint_codegen::lie_group(input.into()).into()
 }
 
+/// A function that expressions may call, of numbers, vectors and matrices.
+///
+/// ```text
+/// #[expression]
+/// fn density(height: f64) -> f64 {
+///     SEA_LEVEL * (-height / SCALE).exp()
+/// }
+///
+/// #[lie_poisson_system(group = R3, force = -drag * density(position.z) * velocity.norm() * velocity)]
+/// ```
+///
+/// Its body is an expression as those of a description, in its arguments alone. It is differentiated as if it was written out where it is called.
+#[proc_macro_attribute]
+pub fn expression(attribute: TokenStream, item: TokenStream) -> TokenStream {
+    coadjoint_codegen::expression(attribute.into(), item.into()).into()
+}
+
 #[doc(hidden)]
 #[proc_macro]
 pub fn lie_poisson_system_with(input: TokenStream) -> TokenStream {

@@ -94,6 +94,7 @@ mod schemes;
 mod serialization;
 mod snapshot;
 mod solve;
+mod spline;
 pub mod stepper;
 pub mod system;
 #[cfg(all(test, feature = "std"))]
@@ -102,6 +103,59 @@ mod tick;
 
 #[cfg(feature = "std")]
 pub use certify::certify;
+/// Functions of your own in expressions: `#[expression]` above one, and descriptions in the same crate may call it.
+///
+/// ```
+/// use coadjoint::prelude::*;
+///
+/// mod air {
+///     use coadjoint::prelude::*;
+///
+///     pub(super) const SCALE: f64 = 8_500.0;
+///
+///     /// Density at a height.
+///     #[expression]
+///     pub fn density(sea_level: f64, height: f64) -> f64 {
+///         sea_level * (-height.max(0.0) / SCALE).exp()
+///     }
+///
+///     /// Drag of a shape with this product of area and coefficient.
+///     #[expression]
+///     pub fn drag(area: f64, sea_level: f64, position: &Vector3<f64>, velocity: &Vector3<f64>) -> Vector3<f64> {
+///         -0.5 * density(sea_level, position.z) * area * velocity.norm() * velocity
+///     }
+/// }
+///
+/// #[lie_poisson_system(
+///     group = R3,
+///     potential = mass * gravity * position.z,
+///     force = air::drag(area, sea_level, &position, &velocity),
+///     derivatives(parameters),
+/// )]
+/// struct Shell {
+///     #[inertia]
+///     mass: f64,
+///     gravity: f64,
+///     area: f64,
+///     sea_level: f64,
+/// }
+///
+/// let shell = Shell { mass: 40.0, gravity: 9.81, area: 0.005, sea_level: 1.225 };
+/// let mut state = ShellState { position: Vector3::zeros(), momentum: vector![16_000.0, 0.0, 20_000.0] };
+/// let mut stepper = shell.stepper::<Exponential>(0.05)?;
+/// for _ in 0..400 {
+///     stepper.step(&mut state)?;
+/// }
+/// // it is a function as any other, too
+/// assert!(air::density(shell.sea_level, state.position.z) < 0.8);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// Arguments are numbers, vectors and matrices, or references to them. The body is [what a description may contain](guide::language), in the
+/// arguments and constants alone; it is differentiated as if it was written out where it is called. Constants and functions that it names are looked up
+/// where the system stands, in the module that the call says, here as `air::SCALE`: they have to be visible there, and imported where the function is
+/// imported by its name alone. Of a function that is not marked the compiler says that there is no macro of its name.
+pub use coadjoint_macros::expression;
 /// ```
 /// use coadjoint::prelude::*;
 ///
@@ -181,6 +235,7 @@ pub use schemes::CoefficientSet;
 pub use schemes::{ConservedCasimirs, ParseSchemeError, Properties, Scheme, SchemeType};
 #[cfg(feature = "serde")]
 pub use serde;
+pub use spline::Spline;
 pub use stepper::{StepReport, Stepper};
 pub use system::{Control, Discretized, Kind, NoControl, Quantity, Role, Side, State, System};
 
@@ -189,6 +244,7 @@ pub use system::{Control, Discretized, Kind, NoControl, Quantity, Role, Side, St
 pub mod __private {
     pub use crate::__copied as copied;
     pub use crate::__serialization as serialization;
+    pub use crate::Spline;
     pub use crate::derivative::{
         Derives, Differentiable, Entry, Linearized, LinearizedSchemes, LinearizedVisitor, add_product,
     };

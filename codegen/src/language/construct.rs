@@ -2,13 +2,13 @@
 
 use syn::parse::{Parse, ParseStream};
 use syn::punctuated::Punctuated;
-use syn::{Expr, ExprCall, Ident, Macro, Token};
+use syn::{Expr, ExprCall, FnArg, Ident, Macro, Token, Type};
 
 use super::lowering::Lowering;
 use super::value::Value;
 use crate::diagnostics::{count, list, suggestion};
 use crate::expr::{Expr as Symbolic, Matrix, Number, Vector};
-use crate::parse::{of_segment, scalar_named, shape_named};
+use crate::parse::{OwnFunction, of_segment, of_type, scalar_named, seen_from, shape_named};
 use crate::quantity::Shape;
 
 /// The constructors of vectors and matrices.
@@ -28,6 +28,10 @@ pub const CONSTRUCTORS: &[&str] = &[
 
 /// The constructors of points.
 pub const POINTS: &[&str] = &["new", "from", "origin"];
+
+/// What is said of a function that is not known.
+const UNKNOWN: &str = "this function is not known here; known are functions of `f64`, constructors such as `Vector3::new`, and functions of \
+                       your own with `#[expression]` above them";
 
 /// The dimension of nalgebra's points of that name.
 fn point(name: &str) -> Option<usize> {
@@ -76,11 +80,14 @@ impl<'a> Lowering<'a, '_> {
         let Expr::Path(function) = &*call.func else {
             return self.unsupported(&call.func, "calling this");
         };
+        let own = seen_from(self.within.last(), &function.path);
+        let own = self.scope.functions.iter().find(|known| known.path == own).cloned();
+        if let Some(own) = own {
+            return self.own_function(own, call, arguments?);
+        }
         let mut segments = function.path.segments.iter().rev();
         let (Some(name), Some(owner)) = (segments.next(), segments.next()) else {
-            let message = "functions cannot be called here: only their code knows their derivatives; write the formula \
-                           out, or its parts with `let`";
-            return self.fail(&call.func, message);
+            return self.fail(&call.func, UNKNOWN);
         };
         let owner_name = owner.ident.to_string();
         let path = Path { name: &name.ident, owner: &owner_name };
@@ -91,9 +98,7 @@ impl<'a> Lowering<'a, '_> {
         let scalar = scalar_named(&owner_name).is_some();
         let shape = shape_named(&owner_name).or_else(|| of_segment(owner).map(|(shape, _)| shape));
         let (Some(shape), None) = (if scalar { Some(Shape::Scalar) } else { shape }, &function.qself) else {
-            let message = "this function has no symbolic meaning here; functions of `f64` and constructors such as \
-                           `Vector3::new` or `Matrix3::identity` have one";
-            return self.fail(&call.func, message);
+            return self.fail(&call.func, UNKNOWN);
         };
         let arguments: Vec<(Value<'a>, &Expr)> = arguments?.into_iter().zip(&call.args).collect();
         match path.name.to_string().as_str() {
@@ -103,6 +108,45 @@ impl<'a> Lowering<'a, '_> {
             }
             _ => self.function(path, shape, &arguments),
         }
+    }
+
+    /// `density(position.z)`: as if it was written out here.
+    fn own_function(
+        &mut self,
+        function: OwnFunction,
+        call: &ExprCall,
+        arguments: Vec<Value<'a>>,
+    ) -> Option<Value<'a>> {
+        let OwnFunction { path, signature, body } = function;
+        let name = &signature.ident;
+        if arguments.len() != signature.inputs.len() {
+            let takes = count(signature.inputs.len(), "argument");
+            return self.fail(&call.func, format!("`{name}` takes {takes}, not {}", arguments.len()));
+        }
+        if self.within.contains(&path) {
+            return self.fail(&call.func, format!("`{name}` calls itself, which has no end here"));
+        }
+        let outside = std::mem::take(&mut self.locals);
+        self.within.push(path);
+        for ((input, value), argument) in signature.inputs.iter().zip(arguments).zip(&call.args) {
+            let FnArg::Typed(input) = input else { continue };
+            let ty = match &*input.ty {
+                Type::Reference(reference) => &reference.elem,
+                ty => ty,
+            };
+            let shape = of_type(ty).map(|(shape, _)| shape);
+            let fits = shape.is_none_or(|shape| value.shape() == Some(shape));
+            if !fits {
+                let (expected, found) = (shape.map(Shape::describe).unwrap_or_default(), value.describe());
+                self.diagnostics
+                    .push(argument, format!("`{name}` takes {expected} here, but this is {found}"));
+            }
+            self.bind(&input.pat, Some(value).filter(|_| fits));
+        }
+        let value = self.scoped_block(&body);
+        self.within.pop();
+        self.locals = outside;
+        value
     }
 
     /// `f64::from(integer)`

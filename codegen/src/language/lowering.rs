@@ -9,14 +9,17 @@ use super::value::Value;
 use crate::diagnostics::{Diagnostics, suggestion};
 use crate::expr::{Arena, Expr as Symbolic, Node, Number};
 use crate::limits;
+use crate::parse::seen_from;
 
 /// The state of a lowering.
 pub(super) struct Lowering<'a, 's> {
     pub(super) arena: &'a Arena,
     pub(super) diagnostics: &'s mut Diagnostics,
-    scope: &'s mut Scope<'a>,
+    pub(super) scope: &'s mut Scope<'a>,
     /// The variables of the blocks around, innermost last; `None` for one whose value was in error.
     pub(super) locals: Vec<(String, Option<Value<'a>>)>,
+    /// The functions of the user's own that this is in, innermost last.
+    pub(super) within: Vec<syn::Path>,
     /// How many closures this is in, each of which is lowered for every element of something.
     pub(super) iterations: usize,
     /// Whether it was said that there is too much to compute.
@@ -25,7 +28,15 @@ pub(super) struct Lowering<'a, 's> {
 
 impl<'a, 's> Lowering<'a, 's> {
     pub(super) fn new(scope: &'s mut Scope<'a>, arena: &'a Arena, diagnostics: &'s mut Diagnostics) -> Self {
-        Self { arena, diagnostics, scope, locals: Vec::new(), iterations: 0, exhausted: false }
+        Self {
+            arena,
+            diagnostics,
+            scope,
+            locals: Vec::new(),
+            within: Vec::new(),
+            iterations: 0,
+            exhausted: false,
+        }
     }
 
     /// The value of an expression. `None` if there is a problem in it, which was reported.
@@ -109,31 +120,41 @@ impl<'a, 's> Lowering<'a, 's> {
 
     fn path(&mut self, path: &ExprPath) -> Option<Value<'a>> {
         let Some(ident) = path.path.get_ident().filter(|_| path.qself.is_none()) else {
-            return Some(Value::Scalar(self.scope.constant(path, self.arena)));
+            return Some(self.constant(path));
         };
         let name = ident.unraw().to_string();
         let local = self.locals.iter().rev().find(|(local, _)| *local == name).map(|(_, value)| value);
         if let Some(value) = local {
             return value.clone();
         }
-        self.scope.mark_used(&name);
-        if let Some(message) = self.scope.forbidden(&name) {
-            let message = message.to_owned();
-            return self.fail(ident, message);
-        }
-        if let Some(value) = self.scope.get(&name) {
-            return value.clone();
+        // a function knows its arguments alone
+        let is_inside = !self.within.is_empty();
+        if !is_inside {
+            self.scope.mark_used(&name);
+            if let Some(message) = self.scope.forbidden(&name) {
+                let message = message.to_owned();
+                return self.fail(ident, message);
+            }
+            if let Some(value) = self.scope.get(&name) {
+                return value.clone();
+            }
         }
         if is_constant(&name) {
-            return Some(Value::Scalar(self.scope.constant(path, self.arena)));
+            return Some(self.constant(path));
         }
         if name == "self" {
             return self.fail(ident, "parameters are known by their names alone; leave out `self.`");
         }
-        let known: Vec<&str> =
-            self.scope.names().chain(self.locals.iter().map(|(name, _)| name.as_str())).collect();
+        let names = self.scope.names().filter(|_| !is_inside);
+        let known: Vec<&str> = names.chain(self.locals.iter().map(|(name, _)| name.as_str())).collect();
         let message = format!("there is no `{name}` here{}", suggestion(&name, &known));
         self.fail(ident, message)
+    }
+
+    /// A constant of the user's own.
+    fn constant(&mut self, path: &ExprPath) -> Value<'a> {
+        let path = ExprPath { path: seen_from(self.within.last(), &path.path), ..path.clone() };
+        Value::Scalar(self.scope.constant(path, self.arena))
     }
 
     /// Constructs without a symbolic meaning.

@@ -15,6 +15,7 @@ mod methods;
 mod operators;
 mod scope;
 mod sequence;
+mod spline;
 mod value;
 
 pub use access::by_index;

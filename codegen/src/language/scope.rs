@@ -5,6 +5,7 @@ use syn::ext::IdentExt;
 
 use super::value::Value;
 use crate::expr::{Arena, Expr, Stage};
+use crate::parse::OwnFunction;
 
 /// The names known to an expression from outside, and the constants of the user's own that it was found to use.
 #[derive(Debug, Default)]
@@ -17,6 +18,8 @@ pub struct Scope<'a> {
     forbidden: Vec<(String, String)>,
     /// In the order in which they were met.
     pub constants: Vec<Constant<'a>>,
+    /// The functions of the user's own.
+    pub functions: Vec<OwnFunction>,
 }
 
 /// A constant that only the user's code knows: `std::f64::consts::PI`, `GRAVITY`. It is a parameter like any other,
@@ -103,12 +106,12 @@ impl<'a> Scope<'a> {
     }
 
     /// The symbol of a constant, the same one each time it is named by the same path.
-    pub(super) fn constant(&mut self, path: &syn::ExprPath, arena: &'a Arena) -> Expr<'a> {
+    pub(super) fn constant(&mut self, path: syn::ExprPath, arena: &'a Arena) -> Expr<'a> {
         let tokens = syn::Expr::Path(path.clone());
         if let Some(known) = self.constants.iter().find(|known| known.tokens == tokens) {
             return known.symbol;
         }
-        let name = self.unused_name(path, arena);
+        let name = self.unused_name(&path, arena);
         let symbol = arena.symbol(&name, Stage::Parameters);
         self.constants.push(Constant { symbol, tokens, name });
         symbol

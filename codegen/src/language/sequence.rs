@@ -15,7 +15,8 @@ use crate::parse::of_segment;
 use crate::quantity::Shape;
 
 /// The methods of arrays, as they are called.
-pub const ARRAY_METHODS: [&str; 5] = ["len()", "iter()", "into_iter()", "windows(n)", "map(|x| …)"];
+pub const ARRAY_METHODS: [&str; 6] =
+    ["len()", "iter()", "into_iter()", "windows(n)", "map(|x| …)", "spline(from, to, x)"];
 
 /// Those of iterators.
 pub const ITERATOR_METHODS: [&str; 9] = [
@@ -80,6 +81,9 @@ impl<'a> Lowering<'a, '_> {
                 0 => return self.fail(length, "a window has one element or more"),
                 length => values.windows(length).map(|window| Value::Array(window.to_vec())).collect(),
             },
+            (Value::Array(_), "spline", &[from, to, x]) => {
+                return self.spline(values, [from, to, x], &call.method);
+            }
             (Value::Iterator(_), "sum", []) => return self.sum(values, call),
             (Value::Iterator(_), "rev", []) => values.iter().rev().cloned().collect(),
             (Value::Iterator(_), "skip", [count]) => {

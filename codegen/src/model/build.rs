@@ -31,6 +31,7 @@ impl<'a> System<'a> {
         let scope = Scope::new();
         let mut builder =
             Builder { arena, description, scope, diagnostics, momenta, velocities, coordinates };
+        builder.scope.functions.clone_from(&description.attribute.functions);
         description.unknown.iter().for_each(|name| builder.scope.define_unknown(name));
         let (parameters, values) = builder.parameters();
         let mut factors: Vec<Factor<'a>> =

@@ -10,6 +10,7 @@ use syn::parse::{Parse, ParseStream, Parser};
 use syn::{Ident, LitInt, LitStr, Token, bracketed, parenthesized, token};
 
 use super::factor::FactorName;
+use super::function::OwnFunction;
 use super::group::{Group, Space, declared_name, first_word, group, space};
 use super::key::{EnergyKey, Key};
 use super::nesting;
@@ -49,6 +50,8 @@ pub struct Attribute {
     pub krate: Option<syn::Path>,
     /// What `lie_group!` says of groups that are named by their paths.
     pub definitions: Vec<Definition>,
+    /// The functions that expressions call, as far as they are known.
+    pub functions: Vec<OwnFunction>,
     /// The names of factors, advected parameters and controls whose declarations could not be read, with the keys where
     /// they are.
     pub unreadable: Vec<(Key, Ident)>,

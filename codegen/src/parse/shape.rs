@@ -40,7 +40,7 @@ pub(crate) fn shape_named(name: &str) -> Option<Shape> {
 }
 
 /// The shape and scalar type of a field's type, told by its last path segment, whatever module it comes from.
-pub(super) fn of_type(ty: &Type) -> Option<(Shape, ScalarType)> {
+pub(crate) fn of_type(ty: &Type) -> Option<(Shape, ScalarType)> {
     match ty {
         Type::Path(path) if path.qself.is_none() => of_segment(path.path.segments.last()?),
         Type::Paren(inner) => of_type(&inner.elem),

@@ -4,7 +4,9 @@ use coadjoint_codegen::program::{
     DerivativeRole, FunctionRole, Module, Program, StepRole, SystemRole, Transform,
 };
 use coadjoint_codegen::quantity::{Kind, ScalarType, Side};
-use coadjoint_codegen::{expand, lie_group, lie_poisson_system, lie_poisson_system_with, program};
+use coadjoint_codegen::{
+    expand, expression, lie_group, lie_poisson_system, lie_poisson_system_with, program,
+};
 
 use crate::common::tokens;
 
@@ -80,6 +82,45 @@ fn groups_are_handed_on_by_macros() {
     let size = |text: &str| syn::parse_str::<syn::File>(text).expect("items").items.len();
     assert_eq!(size(&whole), size(&same));
     assert!(whole.contains("DropState"), "{whole}");
+}
+
+/// A function's macro does the same; a function that one calls is asked for in the module of that one.
+#[test]
+fn functions_are_handed_on_by_macros() {
+    let density = "fn density (h : f64) -> f64 { thin (h) . exp () }";
+    let one = expression(tokens(""), tokens(&format!("pub {density}"))).to_string();
+    assert!(one.starts_with(&format!("pub {density}")), "{one}");
+    assert!(one.contains("macro_rules ! __function_density"), "{one}");
+    assert!(one.ends_with("pub (crate) use __function_density as density ;"), "{one}");
+
+    let item = "struct Ball { # [inertia] mass : f64 }";
+    let attribute =
+        "group = R1 , potential = vector ! [mass * (air :: density (position . x))] . dot (& position)";
+    let asked = lie_poisson_system(tokens(attribute), tokens(item)).to_string();
+    assert!(asked.starts_with("air :: density ! {"), "{asked}");
+    let known = format!("\"air::density\" => {density} ;");
+    let answer = |known: &str| format!("{{ {known} }} {{ {attribute} }} {{ {item} }}");
+    let asked = lie_poisson_system_with(tokens(&answer(&known))).to_string();
+    assert!(asked.starts_with("air :: thin ! {") && asked.contains("\"air::density\""), "{asked}");
+    let known = format!("{known} \"air::thin\" => fn thin(h: f64) -> f64 {{ -h / 2.0 }};");
+    let whole = lie_poisson_system_with(tokens(&answer(&known))).to_string();
+    assert!(whole.contains("BallState") && !whole.contains("compile_error"), "{whole}");
+
+    // constructors, methods, patterns and functions of numbers are none of the user's own
+    for known in [
+        "Vector3::new(x, y, z).dot(&UnitQuaternion::new(v))",
+        "f64::sin(x) * (x)",
+        "if (x < 1.0) { x } else { (x) }",
+        "v.x.abs()",
+    ] {
+        let system = format!("group = R1, hamiltonian = {known}");
+        assert!(!lie_poisson_system(tokens(&system), tokens(item)).to_string().contains("_with"), "{known}");
+    }
+    for (attribute, item) in
+        [("now", "fn f() -> f64 { 1.0 }"), ("", "fn f<T>(x: T) -> T { x }"), ("", "struct S;")]
+    {
+        assert!(expression(tokens(attribute), tokens(item)).to_string().contains("compile_error"), "{item}");
+    }
 }
 
 /// Of a retraction that is not odd the first member is not symmetric: a bare one stands for the step of Störmer and Verlet.

@@ -304,12 +304,9 @@ fn blocks_of_matrices() {
 
 #[test]
 fn functions() {
-    complains("height(a)", &[("height", "functions cannot be called here")]);
-    complains("physics::height(a)", &[("physics::height", "this function has no symbolic meaning here")]);
-    complains(
-        "<f64 as Float>::sin(a)",
-        &[("<f64 as Float>::sin", "this function has no symbolic meaning here")],
-    );
+    complains("height(a)", &[("height", "this function is not known here; known are functions of `f64`")]);
+    complains("physics::height(a)", &[("physics::height", "this function is not known here")]);
+    complains("<f64 as Float>::sin(a)", &[("<f64 as Float>::sin", "this function is not known here")]);
     complains("f64::round(a)", &[("round", "`round` jumps again and again")]);
     complains("f64::sin(chi)", &[("chi", "`f64::sin` takes a scalar first, but this is a vector of 3")]);
     complains("f64::epsilon()", &[("epsilon", "`f64::epsilon` has no symbolic meaning here")]);
@@ -359,6 +356,15 @@ fn constructs() {
     complains(
         "a.powi(if a < 1.0 { 2 } else { 3 })",
         &[("if a < 1.0 { 2 } else { 3 }", "`powi` takes an integer literal")],
+    );
+    complains(
+        "lengths.spline(0.0, 1.0, chi)",
+        &[("chi", "`spline` takes numbers, but this is a vector of 3")],
+    );
+    complains("lengths.spline(1.0, 1.0, a)", &[("1.0", "the last knot lies beyond the first")]);
+    complains(
+        "spins.spline(0.0, 1.0, a)",
+        &[("spline", "a spline goes through an array of two numbers or more")],
     );
     complains("match a { _ => a }", &[("match", "write `if … else …` in the place of `match`")]);
     complains("for x in y { }", &[("for", "a loop is not supported here")]);

@@ -257,6 +257,8 @@ fn expressions() -> String {
          * `g * v` and `g * h` for an element `g` of a group; of rigid motions `g * p` for a point `p`, while a vector is turned by \
          `transform_vector`.\n\
          * Constructors: `vector![x, y]`, `matrix![a, b; c, d]`, and of the types of nalgebra {}.\n\
+         * Functions of your own, `density(position.z)` or `air::density(position.z)`, with [`#[expression]`](crate::expression) above them.\n\
+         * Tables: `thrust.spline(from, to, x)` of an array of numbers, [a curve](crate::Spline) through its values.\n\
          * Points: {} of `Point2` and `Point3`; `p - q` is a vector, `p + v` a point, `p.coords` the vector to it.\n\
          * Parts of vectors and matrices: `fixed_rows::<R>(i)`, `fixed_columns::<C>(j)`, `fixed_view::<R, C>(i, j)`.\n\
          * `try_inverse()` of a matrix of up to four rows, taken with `.unwrap()` or `.expect(\"…\")`: by cofactors, over the determinant. A step \

@@ -7,6 +7,7 @@ mod effort;
 mod ensemble;
 mod erased;
 mod faulty;
+mod functions;
 mod kinks;
 mod laws;
 mod map;

@@ -139,6 +139,8 @@ fn method(system: &System<'_>, interface: &Interface, names: &Names, method: Met
     });
     // as a statement, so that syn puts parentheses around a block in front of an operator
     let value = syn::Stmt::Expr(expression.clone(), None);
+    let tables = mentioned(expression.to_token_stream(), "spline")
+        .map(|_| quote! { #[allow(unused_imports)] use #private::Spline as _; });
     let value = if has_meaning {
         quote! { #value }
     } else {
@@ -151,6 +153,7 @@ fn method(system: &System<'_>, interface: &Interface, names: &Names, method: Met
             // the elementary functions of floats, where there is no std
             #[allow(unused_imports)]
             use #private::nalgebra::{ComplexField as _, RealField as _};
+            #tables
             #velocity
             #velocities
             #state_parts
