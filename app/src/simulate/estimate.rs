@@ -81,7 +81,7 @@ impl ErrorEstimate {
     }
 }
 
-/// Estimates the error of a run's trajectory by its beginning, at most a tenth of it or [`LEAST`] steps: that is run
+/// Estimates the error of a run's trajectory by its beginning, a tenth of it or a thousand steps: that is run
 /// with its step, and with half of it. None of a run without steps, and where half the step leads nowhere.
 ///
 /// # Errors

@@ -15,6 +15,25 @@ const NUMBERS: [&str; 24] = [
     "1", "0.01", "-1e-3", "1e-3", "3", "0", "-0", "7.25", "-2", "1e300", "-1e300", "1e-300", "5e-324", "NaN",
     "inf", "-inf", "", "x", "1,2", "1,2,3", "1,2,3,4", "0x10", "1_000", "٣",
 ];
+/// What any run or page of either system takes, or most do.
+const SOUND: [&str; 16] = [
+    "--set momentum=0.2",
+    "--set momentum=1,2,3",
+    "--set velocity_z=0.5",
+    "--set attitude=euler:0.1,0.2,0.3",
+    "--set attitude=mrp:0,0,1.5",
+    "--set angle=0.7",
+    "--set weight=2",
+    "--set motor=-1e-3",
+    "--step -1e-3",
+    "--step 0.007",
+    "--retraction cayley",
+    "--method midpoint",
+    "--method rk4",
+    "--order 6",
+    "--force",
+    "--quiet",
+];
 const NAMES: [&str; 14] = [
     "inertia",
     "inertia_x",
@@ -52,7 +71,8 @@ fn any<'a>(random: &mut Random, of: &[&'a str]) -> &'a str {
 fn drawn(random: &mut Random) -> Vec<String> {
     let commands =
         ["run", "run", "run", "view", "ensemble", "list", "init", "certify", "play", "resume", "rum"];
-    let systems = ["heavy_top", "driven_pendulum", "driven-pendulum", "heavy_tpo", "", "--again"];
+    let systems =
+        ["heavy_top", "driven_pendulum", "heavy-top", "driven-pendulum", "heavy_top", "heavy_tpo", ""];
     let command = any(random, &commands);
     let mut line = vec![command.to_owned()];
     line.push(match command {
@@ -62,7 +82,12 @@ fn drawn(random: &mut Random) -> Vec<String> {
         _ => any(random, &systems).to_owned(),
     });
     let number = |random: &mut Random| any(random, &NUMBERS).to_owned();
-    for _ in 0..random.below(6) {
+    for _ in 0..random.below(5) {
+        // most lines are sound but for a word or two
+        if random.below(4) > 0 && matches!(command, "run" | "view" | "ensemble") {
+            line.extend(any(random, &SOUND).split(' ').map(str::to_owned));
+            continue;
+        }
         let option = any(
             random,
             &[
@@ -120,7 +145,8 @@ fn drawn(random: &mut Random) -> Vec<String> {
     // of whatever step it is, it ends
     if matches!(command, "run" | "view" | "ensemble") {
         line.extend(
-            ["--duration", any(random, &["0", "0.05", "0.1", "-1", "NaN", "1e300"])].map(str::to_owned),
+            ["--duration", any(random, &["0", "0.05", "0.1", "0.05", "0.1", "-1", "1e300"])]
+                .map(str::to_owned),
         );
     }
     line
