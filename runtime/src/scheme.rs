@@ -35,13 +35,14 @@ use crate::retraction::{Exponential, Retraction, RetractionKind};
 /// The step's equation is set up at the point `s` of the way from its start to its end: with the step `h`, solve for `η`
 ///
 /// ```text
-/// m = Ad*_{τ(−sη)⁻¹} μ_k                                      momentum at the intermediate point ḡ = g_k τ(−sη)⁻¹
-/// μ̄ = (1−s) (dR τ_{(1−s)η})* m + s (dR τ_{−sη})* m
-/// η = h ∂h/∂μ(μ̄)
+/// g_s = g_k τ(−sη)⁻¹
+/// m   = Ad*_{τ(−sη)⁻¹} μ_k
+/// μ_s = (1−s) (dR τ_{(1−s)η})* m + s (dR τ_{−sη})* m
+/// η   = h ∂h/∂μ(μ_s)
 /// ```
 ///
-/// and take `μ_{k+1} = Ad*_{τ((1−s)η)} m`, `g_{k+1} = ḡ τ((1−s)η)`. A potential on the group, forces and explicit time act there
-/// too: at `ḡ` and the time `t_k + s h`, with the share `1 − s` before and `s` after.
+/// and take `μ_{k+1} = Ad*_{τ((1−s)η)} m`, `g_{k+1} = g_s τ((1−s)η)`. A potential on the group, forces and explicit time act there
+/// too: at `g_s` and the time `t_k + s h`, with the share `1 − s` before and `s` after.
 ///
 /// - For left-invariant systems without forces, every member is a Poisson map and keeps the Casimirs, with any retraction. With
 ///   [`Exponential`] and [`Cayley`](crate::retraction::Cayley) it is symmetric and of order 2.

@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 /// Lagrangian, with the angles `θ₁`, `θ₂` of the rods from the vertical and their velocities `ω₁`, `ω₂`:
 ///
 /// ```text
-/// l = ½ (m₁+m₂) l₁² ω₁² + ½ m₂ l₂² ω₂² + m₂ l₁ l₂ ω₁ ω₂ cos(θ₁−θ₂) + (m₁+m₂) g l₁ cos θ₁ + m₂ g l₂ cos θ₂
+/// l = ½ (m₁+m₂) l₁² ω₁² + ½ m₂ l₂² ω₂² + m₂ l₁ l₂ ω₁ ω₂ cos(θ₁−θ₂)
+///   + (m₁+m₂) g l₁ cos θ₁ + m₂ g l₂ cos θ₂
 /// ```
 ///
 /// The mass matrix depends on the angles; the momenta `p = ∂l/∂ω` mix both velocities.

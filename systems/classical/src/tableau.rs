@@ -26,11 +26,11 @@ pub struct Tableau<const D: u32 = 1> {
     b: Vec<Exact<D>>,
 }
 
-/// A pair of tableaux with as many stages: the first for positions `q`, the second, with a hat, for momenta `p`. 1.2.2 of the paper:
+/// A pair of tableaux with as many stages: the first for positions `q`, the second, in capitals, for momenta `p`. 1.2.2 of the paper:
 ///
 /// ```text
 /// q_{k+1} = q_k + h Σ b_i k_i,   k_i = f₁(Q_i, P_i),   Q_i = q_k + h Σ a_ij k_j
-/// p_{k+1} = p_k + h Σ b̂_i l_i,   l_i = f₂(Q_i, P_i),   P_i = p_k + h Σ â_ij l_j
+/// p_{k+1} = p_k + h Σ B_i l_i,   l_i = f₂(Q_i, P_i),   P_i = p_k + h Σ A_ij l_j
 /// ```
 ///
 /// Time goes with the positions: both are asked at `t_k + c_i h`, `c_i = Σ a_ij`.
@@ -155,14 +155,14 @@ impl<const D: u32> PartitionedTableau<D> {
         &self.positions
     }
 
-    /// That of the momenta: `â`, `b̂`.
+    /// That of the momenta: `A`, `B`.
     pub fn momenta(&self) -> &Tableau<D> {
         &self.momenta
     }
 
     /// Whether each stage of a system with `q' = f₁(p)`, `p' = f₂(q)` follows from those before it: whether no stage value depends on itself.
     pub fn is_explicit(&self) -> bool {
-        // Q_i needs all P_j with a_ij, P_i needs all Q_j with â_ij: take away what depends on nothing that is left
+        // Q_i needs all P_j with a_ij, P_i needs all Q_j with A_ij: take away what depends on nothing that is left
         let tables = [&self.positions.a, &self.momenta.a];
         let mut left: BTreeSet<(usize, usize)> =
             (0..2).flat_map(|part| (0..self.positions.stages()).map(move |i| (part, i))).collect();
@@ -183,7 +183,7 @@ impl<const D: u32> PartitionedTableau<D> {
         order(&[&self.positions, &self.momenta])
     }
 
-    /// Whether it is symplectic for every Hamiltonian: `b_i â_ij + b̂_j a_ji = b_i b̂_j` and `b = b̂`, 1.2.2. HLW, VI.4.
+    /// Whether it is symplectic for every Hamiltonian: `b_i A_ij + B_j a_ji = b_i B_j` and `b = B`, 1.2.2. HLW, VI.4.
     pub fn is_symplectic(&self) -> bool {
         self.positions.b == self.momenta.b && symplectic(&self.positions, &self.momenta)
     }
@@ -194,7 +194,7 @@ impl<const D: u32> PartitionedTableau<D> {
     }
 }
 
-/// `b_i â_ij + b̂_j a_ji = b_i b̂_j`
+/// `b_i A_ij + B_j a_ji = b_i B_j`
 fn symplectic<const D: u32>(plain: &Tableau<D>, hat: &Tableau<D>) -> bool {
     plain.pairs().all(|(i, j)| plain.b[i] * hat.a[i][j] + hat.b[j] * plain.a[j][i] == plain.b[i] * hat.b[j])
 }
@@ -492,7 +492,7 @@ mod tests {
     }
 
     /// What the paper prints for Störmer–Verlet breaks its own condition, and with it the order: ½·½ + ½·0 is not ½·½ for i = 1, j = 2 of
-    /// `b_i â_ij + b̂_j a_ji = b_i b̂_j`, nor for the other pairs.
+    /// `b_i A_ij + B_j a_ji = b_i B_j`, nor for the other pairs.
     #[test]
     fn the_printed_tableau_of_stormer_and_verlet_is_not_symplectic() {
         let [o, l, half] = usual();

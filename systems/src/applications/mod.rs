@@ -15,7 +15,7 @@ use coadjoint_app::setup::random::Random;
 /// A spacecraft that thrusters turn.
 ///
 /// ```text
-/// Π̇ = Π × 𝓘⁻¹Π + τ,   Ṙ = R (𝓘⁻¹Π)^
+/// Π' = Π × 𝓘⁻¹Π + τ,   R' = R (𝓘⁻¹Π)^
 /// ```
 #[lie_poisson_system(
     group = SO3,

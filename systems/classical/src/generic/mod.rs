@@ -17,18 +17,19 @@
 //!
 //! # The step
 //!
-//! With the step `t` and a point `s ∈ [0, 1]` between start and end, the discretization map `D(ḡ, η) = (ḡ τ(−sη), ḡ τ((1−s)η))` has a
+//! With the step `t` and a point `s ∈ [0, 1]` between start and end, the discretization map `D(g_s, η) = (g_s τ(−sη), g_s τ((1−s)η))` has a
 //! cotangent lift, (5.6) of V. Vivek, D. Martín de Diego and R. N. Banavar, *A Geometric Approach to Structure-Preserving Integrators for
 //! Mechanical Systems* (2026). With it their (5.8) reads: solve for `η = tξ`
 //!
 //! ```text
-//! ḡ   = g_k τ(−sη)⁻¹,   m⁻ = Ad*_{τ(−sη)⁻¹} μ_k                 where the equation is set up
-//! m⁺  = m⁻ − t T_e*L_ḡ ∂h/∂g(ḡ, μ̄) + t F(ḡ, μ̄, u, t_k + st)     the kick of potentials and forces, with the control u
-//! μ̄   = (1−s) (dR τ_{(1−s)η})* m⁺ + s (dR τ_{−sη})* m⁻
-//! η   = t ∂h/∂μ(ḡ, μ̄)
+//! g_s = g_k τ(−sη)⁻¹
+//! m⁻  = Ad*_{τ(−sη)⁻¹} μ_k
+//! m⁺  = m⁻ − t T_e*L_g ∂h/∂g(g_s, μ_s) + t F(g_s, μ_s, u, t_k + st)
+//! μ_s = (1−s) (dR τ_{(1−s)η})* m⁺ + s (dR τ_{−sη})* m⁻
+//! η   = t ∂h/∂μ(g_s, μ_s)
 //! ```
 //!
-//! and take `μ_{k+1} = Ad*_{τ((1−s)η)} m⁺`, `g_{k+1} = ḡ τ((1−s)η)`. On the right side `g` is multiplied from the left, `Ad*` has the inverse
+//! with the control `u`, and take `μ_{k+1} = Ad*_{τ((1−s)η)} m⁺`, `g_{k+1} = g_s τ((1−s)η)`. On the right side `g` is multiplied from the left, `Ad*` has the inverse
 //! element, and `dL` is in the place of `dR`.
 //!
 //! With `s = 0` this is their (6.5), which for a quadratic `h` reads `I ξ = (dL τ_{tξ})* μ_{k+1} = (dR τ_{tξ})* μ_k`. For a
@@ -328,7 +329,7 @@ struct Start<'c, C, const N: usize, const D: usize> {
     control: &'c C,
 }
 
-/// The point where the equation is set up: `ḡ`, `μ̄` and its time, and the momentum behind the kick.
+/// The point where the equation is set up: `g_s`, `μ_s` and its time, and the momentum behind the kick.
 struct Intermediate<const N: usize, const D: usize> {
     at: Phase<N, D>,
     /// `m⁺`
@@ -470,7 +471,7 @@ where
             share => self.derivative(&late).ok_or(StepError::OutsideDomain)? * share,
         };
 
-        // a kick that depends on μ̄ makes the equation for it implicit, and the step contracts it
+        // a kick that depends on μ_s makes the equation for it implicit, and the step contracts it
         let mut there = Phase { g, mu: after.tr_mul(&m) + before, time: start.at.time + self.s * self.step };
         let (mut nearer, mut iterations) = (f64::INFINITY, 0);
         loop {
@@ -517,7 +518,7 @@ where
         (self.system.force(at, control) - self.system.slope(at, self.side)) * self.step
     }
 
-    /// `η − t ∂h/∂μ(ḡ, μ̄)`.
+    /// `η − t ∂h/∂μ(g_s, μ_s)`.
     fn residual(
         &self,
         start: &Start<'_, H::Control, N, D>,
