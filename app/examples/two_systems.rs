@@ -2,7 +2,7 @@
 //! `cargo run --example two_systems -- run heavy_top --plot`.
 
 use coadjoint::prelude::*;
-use coadjoint_app::Example;
+use coadjoint_app::{Example, Observables};
 
 /// A rigid body that turns about a fixed point under gravity.
 #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.dot(&chi), methods(Midpoint))]
@@ -51,6 +51,10 @@ impl Example for DrivenPendulum {
     fn example() -> (Self, DrivenPendulumState) {
         let start = DrivenPendulumState { angle: UnitComplex::new(1.0), momentum: vector![0.1] };
         (DrivenPendulum { inertia: 0.1, weight: 3.0 }, start)
+    }
+
+    fn observables(own: Observables<Self>) -> Observables<Self> {
+        own.with("power", "W", |pendulum, state, _, motor| motor.motor.x * pendulum.velocity(state).x)
     }
 }
 

@@ -29,7 +29,7 @@ pub(crate) struct RunArguments {
         value_name = "FILE",
         conflicts_with_all = [
             "system", "config", "retraction", "method", "order", "set", "step", "duration", "every",
-            "watch_every_step", "format", "plot", "quantity", "scan"
+            "watch_every_step", "format", "plot", "quantity", "until", "scan"
         ]
     )]
     pub(crate) again: Option<PathBuf>,
@@ -68,7 +68,7 @@ pub(crate) struct RunArguments {
     #[arg(
         long,
         value_name = "NAME=VALUES",
-        conflicts_with_all = ["plot", "html", "checkpoint", "format", "every", "quantity", "watch_every_step"]
+        conflicts_with_all = ["plot", "html", "checkpoint", "format", "every", "quantity", "until", "watch_every_step"]
     )]
     pub(crate) scan: Vec<String>,
     #[command(flatten)]
@@ -157,6 +157,7 @@ fn planned(motion: &Motion<'_>, chosen: &ChosenRun) -> Plan {
         job: motion.job,
         every: 1,
         quantity: chosen.quantity.clone(),
+        until: chosen.until.clone(),
         watch: true,
         format: None,
         plot: false,

@@ -13,7 +13,7 @@ use super::console::Console;
 use super::interrupt;
 use super::progress::Progress;
 use super::report::RunSummary;
-use crate::catalogue::{Catalogue, Entry};
+use crate::catalogue::{Catalogue, Entry, Observable};
 use crate::error::{Error, FileError, SetupError};
 use crate::files::{
     CheckpointStore, NewFile, OverwriteGuard, PlannedFile, Provenance, Status, TrajectoryWriter, Written,
@@ -41,6 +41,8 @@ pub struct Plan {
     pub every: u64,
     /// Quantities of a user's own, as expressions.
     pub quantity: Vec<String>,
+    /// The condition that ends it, after the first step after which it holds.
+    pub until: Option<String>,
     /// Whether every step is looked at, whatever is written.
     pub watch: bool,
     /// The format of the trajectory; none writes none.
@@ -64,8 +66,8 @@ impl Plan {
     pub fn provenance(&self, entry: &Entry) -> Provenance {
         // where every step is written, every step is looked at
         let watch = self.watch && self.every != 1;
-        let quantity = self.quantity.clone();
-        Provenance { watch, quantity, ..Provenance::of_run(entry, &self.setup, &self.job, self.every) }
+        let (quantity, until) = (self.quantity.clone(), self.until.clone());
+        Provenance { watch, quantity, until, ..Provenance::of_run(entry, &self.setup, &self.job, self.every) }
     }
 }
 
@@ -97,6 +99,8 @@ pub struct Session {
     recorders: Recorders,
     rows: Rows,
     from: Option<Checkpoint>,
+    /// Whether its condition ended it.
+    ended: bool,
 }
 
 /// The destination of the trajectory's rows.
@@ -151,7 +155,17 @@ impl Session {
             (None, None) => Rows::Discarded,
         };
         let system = entry.system(&plan.setup.parameters);
-        Ok(Self { entry: entry.clone(), system, plan, files, guard, recorders, rows, from: None })
+        Ok(Self {
+            entry: entry.clone(),
+            system,
+            plan,
+            files,
+            guard,
+            recorders,
+            rows,
+            from: None,
+            ended: false,
+        })
     }
 
     /// Resumes a run from its checkpoint.
@@ -182,6 +196,7 @@ impl Session {
             recorders,
             rows: Rows::Checkpoint(store),
             from,
+            ended: false,
         })
     }
 
@@ -211,7 +226,8 @@ impl Session {
         let mut is_new = from.is_none();
         let mut failure = None;
         // an error's peak may be as short as one step, but to look at a step takes several times as long as the step
-        let interval = if self.plan.watch { 1 } else { self.plan.every };
+        let until = self.plan.until.as_deref().map(|text| observable(&entry, text)).transpose()?;
+        let interval = if self.plan.watch || until.is_some() { 1 } else { self.plan.every };
         let next = |index: u64| {
             let after = |interval: u64| (index / interval + 1).saturating_mul(interval);
             after(interval).min(after(INTERVAL))
@@ -221,6 +237,10 @@ impl Session {
             if is_due {
                 progress.show(sample.index);
             }
+            let controls = &sample.numbers[sample.state.len()..];
+            let is_end =
+                |until: &Observable| until.value(&*self.system, sample.state, sample.time, controls) != 0.0;
+            self.ended = until.as_ref().is_some_and(is_end);
             let pushed = if is_new { self.push(sample) } else { Ok(()) };
             is_new = true;
             let stop = interrupt::requested() && sample.index < job.steps;
@@ -232,7 +252,11 @@ impl Session {
                 Ok(())
             });
             failure = result.err();
-            if stop || failure.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            if stop || self.ended || failure.is_some() {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
         });
         if let Some(failure) = failure {
             return Err(failure);
@@ -248,7 +272,7 @@ impl Session {
 
     fn push(&mut self, sample: &Sample<'_>) -> Result<(), Error> {
         self.recorders.push(&self.entry, &*self.system, sample);
-        if sample.index.is_multiple_of(self.plan.every) {
+        if sample.index.is_multiple_of(self.plan.every) || self.ended {
             match &mut self.rows {
                 Rows::Discarded => {}
                 Rows::File(trajectory) => trajectory.row(&sample.row(&self.entry))?,
@@ -268,11 +292,15 @@ impl Session {
 
     /// Writes the trajectory, the pictures and the page.
     fn write(self, report: RunReport) -> Result<FinishedRun, Error> {
-        let Self { entry, plan, files, guard, mut recorders, rows, .. } = self;
+        let Self { entry, plan, files, guard, mut recorders, rows, ended, .. } = self;
         let Some(conservation) = recorders.conservation.take() else {
             return Err(SetupError::new("the run has no samples").into());
         };
-        let interrupted = (conservation.steps < plan.job.steps).then_some(conservation.steps);
+        let (steps, end) = (conservation.steps, conservation.time);
+        let interrupted = (steps < plan.job.steps && !ended).then_some(steps);
+        if let (true, Some(curves)) = (ended, &mut recorders.curves) {
+            curves.span = (end.min(0.0), end.max(0.0));
+        }
         let mut contents = Vec::new();
         let mut store = None;
         match (rows, &files.trajectory) {
@@ -287,14 +315,18 @@ impl Session {
             }
             _ => {}
         }
-        contents.extend(shown(&entry, &plan, &recorders, &files)?);
+        contents.extend(shown(&entry, &plan, steps, &recorders, &files)?);
         let status = interrupted.map_or(Status::Complete, Status::Interrupted);
         let Written { files: written, kept } = guard.put(contents, status)?;
         if let (Some(store), None) = (store, interrupted) {
             store.remove();
         }
-        let notes =
+        let mut notes: Vec<String> =
             kept.iter().map(|path| format!("{} holds the whole run, and stays", path.display())).collect();
+        notes.extend(plan.until.iter().map(|until| match ended {
+            true => format!("`{until}` holds after {steps} steps, at {end} s: there the run ends"),
+            false => format!("`{until}` holds after none of {steps} steps"),
+        }));
         let off_group = recorders.off_group;
         let summary = RunSummary { job: plan.job, report, conservation, off_group, time_per_step: None };
         Ok(FinishedRun { entry, plan, summary, written, interrupted: interrupted.is_some(), notes })
@@ -356,6 +388,7 @@ fn saved<'a>(
 fn shown(
     entry: &Entry,
     plan: &Plan,
+    steps: u64,
     recorders: &Recorders,
     files: &RunFiles,
 ) -> Result<Vec<(PathBuf, NewFile)>, FileError> {
@@ -363,7 +396,7 @@ fn shown(
     let mut shown = Vec::new();
     if let (Some(recorder), Some(path)) = (&recorders.page, &plan.html) {
         let (title, parameters) = (job.title(entry), &setup.parameters[..]);
-        let heading = PageHeading { title, parameters, step: job.step, steps: job.steps };
+        let heading = PageHeading { title, parameters, step: job.step, steps };
         let html = page(recorder, entry, &heading).to_html();
         shown.push((path.clone(), NewFile::with(path, html.as_bytes())?));
     }
@@ -410,6 +443,7 @@ mod tests {
             job,
             every: 1,
             quantity: Vec::new(),
+            until: None,
             watch: true,
             format: None,
             plot: true,

@@ -1,6 +1,7 @@
 //! Expressions of a user's own, in the language of descriptions: ordinary Rust over numbers, vectors and matrices, by the
 //! names of a system's quantities.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use coadjoint::erased::System;
@@ -19,7 +20,6 @@ type Value = DMatrix<f64>;
 /// What an expression is evaluated at.
 struct At<'a> {
     system: &'a dyn System,
-    parameters: Vec<f64>,
     state: &'a [f64],
     time: f64,
     control: &'a [f64],
@@ -27,8 +27,11 @@ struct At<'a> {
 type Evaluated = Result<Value, String>;
 type Compiled = Box<dyn Fn(&At<'_>) -> Evaluated + Send + Sync>;
 
+type Unary = fn(f64) -> f64;
+type Binary = fn(f64, f64) -> f64;
+
 /// Functions of one number, and of two.
-const UNARY: [(&str, fn(f64) -> f64); 22] = [
+const UNARY: &[(&str, Unary)] = &[
     ("abs", f64::abs),
     ("acos", f64::acos),
     ("asin", f64::asin),
@@ -52,7 +55,7 @@ const UNARY: [(&str, fn(f64) -> f64); 22] = [
     ("to_degrees", f64::to_degrees),
     ("to_radians", f64::to_radians),
 ];
-const BINARY: [(&str, fn(f64, f64) -> f64); 6] = [
+const BINARY: &[(&str, Binary)] = &[
     ("atan2", f64::atan2),
     ("hypot", f64::hypot),
     ("max", f64::max),
@@ -112,8 +115,7 @@ pub(crate) fn observable(entry: &Entry, text: &str) -> Result<Observable, SetupE
     let system = entry.system(&example.parameters);
     let control = vec![0.0; example.controls.len()];
     let number = move |system: &dyn System, state: &[f64], time: f64, control: &[f64]| {
-        let parameters = system.parameters();
-        let value = compiled(&At { system, parameters, state, time, control })?;
+        let value = compiled(&At { system, state, time, control })?;
         match value.shape() {
             (1, 1) => Ok(value[0]),
             (rows, 1) => {
@@ -272,7 +274,7 @@ fn compiled(entry: &Entry, expression: &Expr) -> Result<Compiled, String> {
 
 /// Finds what a name stands for.
 fn named(entry: &Entry, name: &str) -> Result<Compiled, String> {
-    type List = fn(&At<'_>) -> Vec<f64>;
+    type List = for<'a> fn(&At<'a>) -> Cow<'a, [f64]>;
     let constants =
         [("PI", std::f64::consts::PI), ("TAU", std::f64::consts::TAU), ("E", std::f64::consts::E)];
     if let Some(&(_, value)) = constants.iter().find(|(known, _)| *known == name) {
@@ -289,9 +291,9 @@ fn named(entry: &Entry, name: &str) -> Result<Compiled, String> {
     }
     let description = &entry.description;
     let lists: [(&'static [Quantity], List); 3] = [
-        (description.parameters, |at| at.parameters.clone()),
-        (description.state, |at| at.state.to_vec()),
-        (description.controls, |at| at.control.to_vec()),
+        (description.parameters, |at| at.system.parameters().into()),
+        (description.state, |at| at.state.into()),
+        (description.controls, |at| at.control.into()),
     ];
     for (quantities, list) in lists {
         if let Some((quantity, slots)) =
@@ -306,9 +308,8 @@ fn named(entry: &Entry, name: &str) -> Result<Compiled, String> {
             return Ok(Box::new(move |at| Ok(matrix(kind, &part(&list(at), slots.clone())))));
         }
         if let Some(component) = components(quantities).find(|component| component.name == name) {
-            return Ok(Box::new(move |at| {
-                Ok(number(part(&list(at), component.slot..component.slot + 1)[0]))
-            }));
+            let slot = component.slot;
+            return Ok(Box::new(move |at| Ok(number(list(at).get(slot).copied().unwrap_or(0.0)))));
         }
     }
     let whole = lists.into_iter().flat_map(|(quantities, _)| quantities).map(|quantity| quantity.name);

@@ -12,6 +12,7 @@ mod files;
 mod layers;
 mod page;
 mod program;
+mod quantities;
 #[cfg(unix)]
 mod reliability;
 mod terminal;

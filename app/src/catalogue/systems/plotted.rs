@@ -188,8 +188,10 @@ impl PlottedQuantities {
             return Vec::new();
         }
         let motion = system.motion(state, time, control);
-        let of_matrices = !self.matrices.is_empty();
-        let stored = of_matrices.then(|| system.vector_field(state, time, control)).unwrap_or_default();
+        let stored = match self.matrices.is_empty() {
+            true => Vec::new(),
+            false => system.vector_field(state, time, control),
+        };
         let at = |numbers: &[f64], slot: usize| numbers.get(slot).copied().unwrap_or(f64::NAN);
         let rate = |quantity: &PlottedQuantity| {
             let source = &quantity.source;

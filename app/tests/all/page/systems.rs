@@ -95,6 +95,7 @@ impl Asked {
             watch: true,
             every: 1,
             quantity: Vec::new(),
+            until: None,
             format: None,
             plot: false,
             html: Some(html.to_owned()),

@@ -66,6 +66,7 @@ pub(crate) fn paper(
             job,
             every: EVERY,
             quantity: Vec::new(),
+            until: None,
             watch: true,
             format: Some(Format::Csv),
             plot: false,
