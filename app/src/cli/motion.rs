@@ -33,6 +33,9 @@ pub(crate) struct ChosenRun {
     /// before them a name and a unit may stand: `'height, m = gamma.dot(&chi)'`.
     #[arg(long, value_name = "EXPRESSION")]
     pub(crate) quantity: Vec<String>,
+    /// End at the first step after which this holds: `gamma_z < 0`
+    #[arg(long, value_name = "CONDITION")]
+    pub(crate) until: Option<String>,
 }
 
 /// The arguments that choose steps.

@@ -29,7 +29,7 @@ pub(crate) struct RunArguments {
         value_name = "FILE",
         conflicts_with_all = [
             "system", "config", "retraction", "method", "order", "set", "step", "duration", "every",
-            "columns", "watch_every_step", "format", "plot", "quantity", "scan"
+            "columns", "watch_every_step", "format", "plot", "quantity", "until", "scan"
         ]
     )]
     pub(crate) again: Option<PathBuf>,
@@ -76,7 +76,7 @@ pub(crate) struct RunArguments {
     #[arg(
         long,
         value_name = "NAME=VALUES",
-        conflicts_with_all = ["plot", "html", "checkpoint", "format", "every", "columns", "quantity", "watch_every_step"]
+        conflicts_with_all = ["plot", "html", "checkpoint", "format", "every", "columns", "quantity", "until", "watch_every_step"]
     )]
     pub(crate) scan: Vec<String>,
     #[command(flatten)]
@@ -167,6 +167,7 @@ fn planned(motion: &Motion<'_>, chosen: &ChosenRun) -> Plan {
         every: 1,
         columns: Vec::new(),
         quantity: chosen.quantity.clone(),
+        until: chosen.until.clone(),
         watch: true,
         format: None,
         plot: false,

@@ -13,7 +13,7 @@ use super::console::Console;
 use super::interrupt;
 use super::progress::Progress;
 use super::report::RunSummary;
-use crate::catalogue::{Catalogue, Entry};
+use crate::catalogue::{Catalogue, Entry, Observable};
 use crate::error::{Error, FileError, SetupError};
 use crate::files::{
     CheckpointStore, NewFile, OverwriteGuard, PlannedFile, Provenance, Status, TrajectoryWriter, Written,
@@ -45,6 +45,8 @@ pub struct Plan {
     pub columns: Vec<Column>,
     /// Quantities of a user's own, as expressions.
     pub quantity: Vec<String>,
+    /// The condition that ends it, after the first step after which it holds.
+    pub until: Option<String>,
     /// Whether every step is looked at, whatever is written.
     pub watch: bool,
     /// The format of the trajectory; none writes none.
@@ -68,11 +70,12 @@ impl Plan {
     pub fn provenance(&self, entry: &Entry) -> Provenance {
         // where every step is written, every step is looked at
         let watch = self.watch && self.every != 1;
-        let (columns, quantity) = (self.columns.clone(), self.quantity.clone());
+        let (columns, quantity, until) = (self.columns.clone(), self.quantity.clone(), self.until.clone());
         Provenance {
             watch,
             columns,
             quantity,
+            until,
             ..Provenance::of_run(entry, &self.setup, &self.job, self.every)
         }
     }
@@ -115,6 +118,8 @@ pub struct Session {
     from: Option<Checkpoint>,
     /// The last sample's state.
     end: Vec<f64>,
+    /// Whether its condition ended it.
+    ended: bool,
 }
 
 /// The destination of the trajectory's rows.
@@ -171,7 +176,7 @@ impl Session {
         };
         let system = entry.system(&plan.setup.parameters);
         let (entry, end) = (entry.clone(), plan.setup.state.clone());
-        Ok(Self { entry, system, plan, files, guard, recorders, rows, from: None, end })
+        Ok(Self { entry, system, plan, files, guard, recorders, rows, from: None, end, ended: false })
     }
 
     /// Resumes a run from its checkpoint.
@@ -195,7 +200,7 @@ impl Session {
         let system = entry.system(&plan.setup.parameters);
         let (entry, end) = (entry.clone(), plan.setup.state.clone());
         let rows = Rows::Checkpoint(store);
-        Ok(Self { entry, system, plan, files, guard, recorders, rows, from, end })
+        Ok(Self { entry, system, plan, files, guard, recorders, rows, from, end, ended: false })
     }
 
     /// Tells whether the trajectory goes to standard output.
@@ -224,7 +229,8 @@ impl Session {
         let mut is_new = from.is_none();
         let mut failure = None;
         // an error's peak may be as short as one step, but to look at a step takes several times as long as the step
-        let interval = if self.plan.watch { 1 } else { self.plan.every };
+        let until = self.plan.until.as_deref().map(|text| observable(&entry, text)).transpose()?;
+        let interval = if self.plan.watch || until.is_some() { 1 } else { self.plan.every };
         let next = |index: u64| {
             let after = |interval: u64| (index / interval + 1).saturating_mul(interval);
             after(interval).min(after(INTERVAL))
@@ -234,10 +240,14 @@ impl Session {
             if is_due {
                 progress.show(sample.index);
             }
+            let controls = &sample.numbers[sample.state.len()..];
+            let is_end =
+                |until: &Observable| until.value(&*self.system, sample.state, sample.time, controls) != 0.0;
+            self.ended = until.as_ref().is_some_and(is_end);
             let pushed = if is_new { self.push(sample) } else { Ok(()) };
             is_new = true;
             let stop = interrupt::requested() && sample.index < job.total();
-            if sample.index == job.total() {
+            if self.ended || sample.index == job.total() {
                 self.end.copy_from_slice(sample.state);
             }
             let result = pushed.and_then(|()| {
@@ -248,7 +258,11 @@ impl Session {
                 Ok(())
             });
             failure = result.err();
-            if stop || failure.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            if stop || self.ended || failure.is_some() {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
         });
         if let Some(failure) = failure {
             return Err(failure);
@@ -264,7 +278,8 @@ impl Session {
 
     fn push(&mut self, sample: &Sample<'_>) -> Result<(), Error> {
         self.recorders.push(&self.entry, &*self.system, sample);
-        if sample.index.is_multiple_of(self.plan.every) || sample.index == self.plan.job.total() {
+        let is_last = self.ended || sample.index == self.plan.job.total();
+        if sample.index.is_multiple_of(self.plan.every) || is_last {
             let row = || {
                 let mut row = sample.row(&self.entry);
                 let (state, controls) = (sample.state, &sample.numbers[sample.state.len()..]);
@@ -292,11 +307,15 @@ impl Session {
 
     /// Writes the trajectory, the pictures and the page.
     fn write(self, report: RunReport) -> Result<FinishedRun, Error> {
-        let Self { entry, plan, files, guard, mut recorders, rows, end, .. } = self;
+        let Self { entry, plan, files, guard, mut recorders, rows, end, ended, .. } = self;
         let Some(conservation) = recorders.conservation.take() else {
             return Err(SetupError::new("the run has no samples").into());
         };
-        let interrupted = (conservation.steps < plan.job.total()).then_some(conservation.steps);
+        let (steps, time) = (conservation.steps, conservation.time);
+        let interrupted = (steps < plan.job.total() && !ended).then_some(steps);
+        if let (true, Some(curves)) = (ended, &mut recorders.curves) {
+            curves.span = (time.min(0.0), time.max(0.0));
+        }
         let mut contents = Vec::new();
         let mut store = None;
         match (rows, &files.trajectory) {
@@ -312,7 +331,7 @@ impl Session {
             }
             _ => {}
         }
-        contents.extend(shown(&entry, &plan, &recorders, &files)?);
+        contents.extend(shown(&entry, &plan, steps, &recorders, &files)?);
         let status = interrupted.map_or(Status::Complete, Status::Interrupted);
         let estimate = match interrupted {
             None => error_estimate(&entry, &plan.setup, &plan.job)?,
@@ -323,11 +342,15 @@ impl Session {
         if let (Some(store), None) = (store, interrupted) {
             store.remove();
         }
-        let slowed = slowed(&entry, &plan.setup, &plan.job, (conservation.time, &end));
+        let slowed = slowed(&entry, &plan.setup, &plan.job, (time, &end));
         let kept = kept.iter().map(|path| format!("{} holds the whole run, and stays", path.display()));
-        let notes = kept.chain(slowed).collect();
+        let until = plan.until.iter().map(|until| match ended {
+            true => format!("`{until}` holds after {steps} steps, at {time} s: there the run ends"),
+            false => format!("`{until}` holds after none of {steps} steps"),
+        });
+        let notes = kept.chain(slowed).chain(until).collect();
         let off_group = recorders.off_group;
-        let conserves_energy = conserves_energy(&entry, &plan.setup, (conservation.time, &end));
+        let conserves_energy = conserves_energy(&entry, &plan.setup, (time, &end));
         let summary = RunSummary {
             job: plan.job,
             report,
@@ -396,6 +419,7 @@ fn saved<'a>(
 fn shown(
     entry: &Entry,
     plan: &Plan,
+    steps: u64,
     recorders: &Recorders,
     files: &RunFiles,
 ) -> Result<Vec<(PathBuf, NewFile)>, FileError> {
@@ -403,7 +427,7 @@ fn shown(
     let mut shown = Vec::new();
     if let (Some(recorder), Some(path)) = (&recorders.page, &plan.html) {
         let (title, parameters) = (job.title(entry), &setup.parameters[..]);
-        let heading = PageHeading { title, parameters, step: job.step, steps: job.total() };
+        let heading = PageHeading { title, parameters, step: job.step, steps };
         let html = page(recorder, entry, &heading).to_html();
         shown.push((path.clone(), NewFile::with(path, html.as_bytes())?));
     }
@@ -452,6 +476,7 @@ mod tests {
             every: 1,
             columns: Vec::new(),
             quantity: Vec::new(),
+            until: None,
             watch: true,
             format: None,
             plot: true,

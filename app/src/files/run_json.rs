@@ -66,6 +66,9 @@ pub struct Provenance {
     /// Quantities of a user's own, as the command line takes them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub quantity: Vec<String>,
+    /// The condition that ends it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub until: Option<String>,
     /// The differences between members of an ensemble.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ensemble: Option<Members>,
@@ -121,6 +124,7 @@ impl Provenance {
             columns: Vec::new(),
             watch: false,
             quantity: Vec::new(),
+            until: None,
             ensemble: None,
             scan: Vec::new(),
             assignments: if *setup == entry.example { Vec::new() } else { assignments(entry, setup) },
@@ -173,6 +177,7 @@ impl Provenance {
             }
         }
         self.quantity.iter().for_each(|quantity| option("quantity", quantity));
+        self.until.iter().for_each(|until| option("until", until));
         self.scan.iter().for_each(|scan| option("scan", scan));
         self.assignments.iter().for_each(|assignment| option("set", assignment));
         if self.watch {

@@ -8,7 +8,7 @@ use serde_json::json;
 use super::overwrite::OverwriteGuard;
 use super::run_json::{FileOrigin, Status, by_name};
 use super::table::TrajectoryWriter;
-use crate::catalogue::{Entry, Example, Setup};
+use crate::catalogue::{Entry, Example, Observables, Setup};
 use crate::error::{Error, SetupError};
 use crate::page::{Page, PageHeading, page};
 use crate::picture::{Figure, run_figure};
@@ -64,7 +64,8 @@ impl Trajectory {
         let erased: &dyn coadjoint::erased::System = system;
         // what acted on what was measured elsewhere is not known
         let entry = Entry::of::<S>().without_controls();
-        let law = entry.law(&Setup { parameters: erased.parameters(), ..entry.example.clone() });
+        let setup = Setup { parameters: erased.parameters(), ..entry.example.clone() };
+        let law = entry.law(&setup);
         let sample = |(index, (time, state)): (u64, (f64, S::State))| {
             let state = state.to_components().as_ref().to_vec();
             let energy = entry.energy(erased, law.as_ref(), (&state, time));
@@ -73,9 +74,26 @@ impl Trajectory {
         };
         let samples = Samples((0..).zip(moments).map(sample).collect());
         let first = samples.0.first().map(|first| first.numbers.clone());
-        let state = first.unwrap_or_else(|| entry.example.state.clone());
-        let setup = Setup { parameters: erased.parameters(), state, ..entry.example.clone() };
-        Self { entry, setup, scheme: scheme.to_owned(), samples }
+        let setup = Setup { state: first.unwrap_or_else(|| entry.example.state.clone()), ..setup };
+        Self { entry, setup, scheme: scheme.to_owned(), samples }.observed()
+    }
+
+    /// Adds quantities to those of [`Example::observables`], with the controls of the system's own law.
+    #[must_use]
+    pub fn observing<S: Example>(mut self, own: Observables<S>) -> Self {
+        self.entry = self.entry.with_observables(own.erased());
+        self.observed()
+    }
+
+    /// Evaluates the quantities at each sample.
+    fn observed(mut self) -> Self {
+        let (system, law) = (self.entry.system(&self.setup.parameters), self.entry.law(&self.setup));
+        for RecordedSample { time, numbers, .. } in &mut self.samples.0 {
+            numbers.truncate(self.setup.state.len());
+            let control = law.as_ref().map(|law| self.entry.chosen(law, (numbers, *time)));
+            *numbers = self.entry.shown(&*system, (numbers, *time), &control.unwrap_or_default());
+        }
+        self
     }
 
     /// Writes a table, in the format that the extension of its name says: `csv`, `json`, with the feature `parquet`
@@ -182,9 +200,14 @@ mod tests {
             "{made}"
         );
         assert!(trajectory.plot().svg().contains("heavy_top, measured"));
+        assert!(trajectory.write(Path::new("motion.txt")).is_err());
         let page = trajectory.page();
         assert_eq!((page.time.len(), page.time[4]), (5, 2.0));
-        assert!(trajectory.write(Path::new("motion.txt")).is_err());
+        let page = trajectory
+            .observing(Observables::<HeavyTop>::default().with("late", "s", |_, _, time, _| time - 1.0))
+            .page();
+        let late = page.runs[0].plots.iter().find(|plot| plot.name == "late").expect("it is there");
+        assert_eq!((late.unit.as_str(), &late.series[0].values[..]), ("s", &[-1.0, -0.5, 0.0, 0.5, 1.0][..]));
         let none = Trajectory::new(&top, "nothing", []);
         assert!(none.plot().svg().contains("svg") && none.page().time.is_empty());
     }

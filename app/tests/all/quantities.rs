@@ -57,10 +57,38 @@ fn their_distributions_are_drawn() {
     let object = scratch.object(&[&few[..], &["--quantity", "height, m = -angle.cos_angle()"]].concat());
     let mean = object["end"]["height"]["mean"].as_f64().expect("a number");
     assert!((mean + 1_f64.cos()).abs() < 0.3 && mean != -1_f64.cos(), "{mean}");
-    // the system's own are among those that are shown unasked
-    assert!(scratch.object(&few)["end"]["power"]["mean"].is_number());
     let plot = scratch.read(&scratch.named("out", "driven_pendulum-ensemble-", ".svg"));
     assert!(plot.contains("height, m"));
+    // the system's own are among those that are shown unasked
+    assert!(scratch.object(&few)["end"]["power"]["mean"].is_number());
+}
+
+#[test]
+fn a_run_ends_where_a_condition_holds() {
+    let scratch = Scratch::new("until");
+    let run = ["run", "heavy_top", "--step", "0.01", "--duration", "20", "--every", "7", "--plot"];
+    let said = scratch.says(&[&run[..], &["--until", "gamma_z < 0.5 && t > 0"]].concat());
+    let name = scratch.named("out", "heavy_top-", ".csv");
+    let table = scratch.read(&name);
+    let column = table.split(',').position(|name| name == "gamma_z").expect("a column");
+    let value = |line: &str| line.split(',').nth(column).and_then(|text| text.parse::<f64>().ok());
+    let heights: Vec<f64> = table.lines().skip(1).map(|line| value(line).expect("a number")).collect();
+    let (last, before) = heights.split_last().expect("rows");
+    assert!(*last < 0.5 && before.iter().all(|height| *height >= 0.5), "{heights:?}");
+    let steps = said.split("holds after ").nth(1).and_then(|rest| rest.split(' ').next()).expect("a note");
+    // the step before, it did not hold
+    let all = ["run", "heavy_top", "--step", "0.01", "--duration", "20", "--out", "all"];
+    scratch.prints(&all);
+    let all = scratch.read(&scratch.named("all", "heavy_top-", ".csv"));
+    let first = all.lines().skip(1).position(|line| value(line).is_some_and(|height| height < 0.5));
+    assert_eq!(first.map(|first| first.to_string()).as_deref(), Some(steps));
+    // it is complete, and made again as it is
+    let made = scratch.read(&name.replace(".csv", ".run.json"));
+    assert!(made.contains("\"complete\"") && !made.contains("interrupted"), "{made}");
+    scratch.prints(&["run", "--again", &name, "--out", "again"]);
+    assert_eq!(scratch.read(&name.replace("out", "again")), table);
+    let never = scratch.says(&["run", "heavy_top", "--duration", "1", "--until", "t > 2", "--out", "never"]);
+    assert!(never.contains("holds after none of 100 steps"), "{never}");
 }
 
 #[test]

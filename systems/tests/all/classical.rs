@@ -349,7 +349,7 @@ fn keeps_its_order(system: impl coadjoint::erased::System, start: &[f64]) {
     for classical in [Classical::Rk4, Classical::Rkmk4, Classical::Gauss4, Classical::ImplicitMidpoint] {
         let errors = [40, 80, 160].map(|steps: u64| {
             let step = duration / steps as f64;
-            distance(&run(classical_stepper(system.clone(), classical, step), steps), &exact)
+            distance(&run(classical_stepper(system.clone(), classical, None, step), steps), &exact)
         });
         let measured = (errors[1] / errors[2]).log2();
         println!("{name}, {}: {errors:?}, {measured}", classical.name());
@@ -359,7 +359,7 @@ fn keeps_its_order(system: impl coadjoint::erased::System, start: &[f64]) {
             classical.name()
         );
         let rests_on_group =
-            system.deviation(&run(classical_stepper(system.clone(), classical, 0.05), 40)) < 1e-13;
+            system.deviation(&run(classical_stepper(system.clone(), classical, None, 0.05), 40)) < 1e-13;
         assert!(rests_on_group || classical == Classical::Rk4, "{name}, {}", classical.name());
     }
 }

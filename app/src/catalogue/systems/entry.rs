@@ -108,7 +108,7 @@ impl Entry {
             body_inertia: |parameters| system::<S>(parameters).body_inertia(),
             scene: |parameters, by_state| system::<S>(parameters).scene(by_state),
         }
-        .with_observables(observables(S::observables(Observables::default())))
+        .with_observables(S::observables(Observables::default()).erased())
     }
 
     /// The same system under another name, with another example: what is `about` it, and a step and a duration that
@@ -273,17 +273,19 @@ fn system<S: Example>(parameters: &[f64]) -> S {
     S::from_parameters(&filled(S::example().0.to_parameters(), parameters))
 }
 
-/// Observables, the type of the system erased.
-fn observables<S: Example>(own: Observables<S>) -> impl Iterator<Item = Observable> {
-    own.0.into_iter().map(|(name, unit, value)| {
-        let example = S::example().1.to_components();
-        Observable::new(name, unit.to_owned(), move |erased, state, time, control| {
-            let state = S::State::from_components(&filled(example, state));
-            let control =
-                S::Control::from_components(&filled(S::Control::default().to_components(), control));
-            value(&system::<S>(&erased.parameters()), &state, time, &control)
+impl<S: Example> Observables<S> {
+    /// Erases the type of the system.
+    pub(crate) fn erased(self) -> impl Iterator<Item = Observable> {
+        self.0.into_iter().map(|(name, unit, value)| {
+            let example = S::example().1.to_components();
+            Observable::new(name, unit.to_owned(), move |erased, state, time, control| {
+                let state = S::State::from_components(&filled(example, state));
+                let none = S::Control::default().to_components();
+                let control = S::Control::from_components(&filled(none, control));
+                value(&system::<S>(&erased.parameters()), &state, time, &control)
+            })
         })
-    })
+    }
 }
 
 fn control<S: Example>(parameters: &[f64]) -> ControlLaw {

@@ -97,6 +97,7 @@ impl Asked {
             every: 1,
             columns: Vec::new(),
             quantity: Vec::new(),
+            until: None,
             format: None,
             plot: false,
             html: Some(html.to_owned()),

@@ -74,6 +74,7 @@ pub(crate) fn paper(
             columns: Vec::new(),
             every: EVERY,
             quantity: Vec::new(),
+            until: None,
             watch: true,
             format: Some(Format::Csv),
             plot: false,
