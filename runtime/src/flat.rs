@@ -9,6 +9,9 @@ use thiserror::Error;
 use crate::method::{self, Advanced, Clock, Counted, Failure, Stage, StepsReport};
 use crate::scalar::{Batch, Components, Scalar, Work};
 
+/// Writes the control at a share of a step.
+pub(crate) type WriteInput<'a, T> = dyn FnMut(f64, &mut [T]) + 'a;
+
 /// What takes a step of one system with one scheme, on slices: [`method::Method`] with its type erased.
 ///
 /// Slices have the lengths of the system's arrays.
@@ -29,7 +32,7 @@ pub trait Method<T: Batch>: Send + Sync {
 
     /// Holds over each step that it is made of its own control, as many numbers as there are `controls`, which the function writes to zeros: see
     /// [`method::Method::set_inputs`].
-    fn set_inputs(&mut self, _controls: usize, _inputs: Option<&mut dyn FnMut(f64, &mut [T])>) {}
+    fn set_inputs(&mut self, _controls: usize, _inputs: Option<&mut WriteInput<'_, T>>) {}
 
     /// Shows what is carried from step to step: see [`method::Method::memory`].
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T]));
@@ -130,7 +133,7 @@ impl<M: method::Method, const BATCHES: bool> Method<M::Scalar> for ([M::CallSite
         marched
     }
 
-    fn set_inputs(&mut self, _: usize, inputs: Option<&mut dyn FnMut(f64, &mut [M::Scalar])>) {
+    fn set_inputs(&mut self, _: usize, inputs: Option<&mut WriteInput<'_, M::Scalar>>) {
         match inputs {
             Some(write) => self.1.0.set_inputs(Some(&mut |share| {
                 let mut control = M::Control::splat(M::Scalar::of(0.0));

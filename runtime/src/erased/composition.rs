@@ -5,7 +5,7 @@ use std::string::ToString;
 use std::vec::Vec;
 
 use super::system::System;
-use crate::flat::{Method, NotGenerated};
+use crate::flat::{Method, NotGenerated, WriteInput};
 use crate::method::{Counted, StageAccumulator};
 use crate::retraction::RetractionKind;
 use crate::scalar::Batch;
@@ -127,7 +127,7 @@ impl<T: Batch> Method<T> for Composition<T> {
         accumulator.end(())
     }
 
-    fn set_inputs(&mut self, controls: usize, mut inputs: Option<&mut dyn FnMut(f64, &mut [T])>) {
+    fn set_inputs(&mut self, controls: usize, mut inputs: Option<&mut WriteInput<'_, T>>) {
         if self.is_pair {
             return;
         }

@@ -176,13 +176,13 @@ fn a_driven_run_goes_on_where_it_was_interrupted() {
 fn an_input_that_is_not_finite_is_an_error_and_leaves_the_state() {
     let mut state = start();
     let mut stepper = body().stepper::<Order4<Cayley>>(0.1).unwrap();
-    let mut last = state.clone();
+    let mut last = state;
     let input = |time: f64| {
         if time > 0.45 { BodyControl { torque: Vector3::repeat(f64::NAN) } } else { torque(time) }
     };
     let error = Run::new(&mut stepper, &mut state)
         .driven_by(input)
-        .each(|tick| last = tick.state.clone())
+        .each(|tick| last = *tick.state)
         .steps(10)
         .unwrap_err();
     assert_eq!((error.step, error.cause), (5, coadjoint::StepError::NotFinite));

@@ -165,7 +165,7 @@ fn a_matrix_that_is_not_finite_is_refused_wherever_it_is_not() {
         LevelsState { element: SMatrix::identity(), momentum: SVector::from_fn(|k, _| 0.2 - 0.1 * k as f64) };
     for place in 0..36 {
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
-            let mut state = start.clone();
+            let mut state = start;
             state.element[place] = bad;
             let before = state.to_components();
             let mut stepper = system.stepper::<Exponential>(0.1).unwrap();
