@@ -291,7 +291,9 @@ mod tests {
             for series in changed.panels.iter_mut().flat_map(|panel| &mut panel.series) {
                 series.points.truncate(series.points.len() - 1);
                 for (k, (x, y)) in series.points.iter_mut().enumerate() {
-                    (*x, *y) = (1.7 * *x, 3.7 * *y * (1.0 + 0.05 * k as f64));
+                    // the powers with which something grows too
+                    let power = y.abs().powf(1.4).copysign(*y);
+                    (*x, *y) = (1.7 * *x, 3.7 * power * (1.0 + 0.05 * k as f64));
                 }
             }
             let numbers = |figure: &Figure| {

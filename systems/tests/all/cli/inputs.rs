@@ -24,14 +24,16 @@ fn a_run_is_driven_by_a_table_and_made_again() {
     for (k, thrust) in column.iter().enumerate() {
         assert!((thrust - (12.0 + 0.2 * k as f64)).abs() < 1e-12, "{column:?}");
     }
-    let beside = scratch.read(&format!("out/{}", name.replace(".csv", ".run.json")));
+    let made = scratch.path(&format!("out/{name}")).with_extension("run.json");
+    let beside = std::fs::read_to_string(made).expect("what made it");
     assert!(beside.contains("--input thrust.csv"), "{beside}");
 
-    scratch.prints(&["run", "--again", &format!("out/{name}"), "--out", "again"]);
+    let made = scratch.path(&format!("out/{name}")).display().to_string();
+    scratch.prints(&["run", "--again", &made, "--out", "again"]);
     assert_eq!(scratch.read(&format!("again/{name}")), written);
     // with another table it is another run
     std::fs::write(scratch.0.join("thrust.csv"), table(12.5)).expect("written");
-    let output = scratch.coadjoint(&["run", "--again", &format!("out/{name}"), "--out", "third"]);
+    let output = scratch.coadjoint(&["run", "--again", &made, "--out", "third"]);
     assert_ne!(output.status.code(), Some(0), "{}", text(&output.stderr));
     scratch.prints(&run);
     assert_eq!(scratch.files("out").iter().filter(|name| name.ends_with(".csv")).count(), 2);
