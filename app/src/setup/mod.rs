@@ -194,9 +194,9 @@ impl Job {
     }
 
     /// Tells whether members of an ensemble are stepped side by side, in the processor's registers: with the standard
-    /// step on the exponential map or the Cayley map, and what is composed of it.
+    /// step on the Cayley map, and what is composed of it.
     pub fn is_side_by_side(&self) -> bool {
-        self.method == Method::Standard && Retraction::COMMON.contains(&self.retraction)
+        (self.method, self.retraction) == (Method::Standard, Retraction::Cayley)
     }
 
     /// Tells the order of its step.

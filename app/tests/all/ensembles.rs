@@ -40,7 +40,7 @@ fn schemes_agree() {
     let (usual, side_by_side) = mean(&[]);
     for (scheme, width) in [
         (&["--order", "4"][..], &side_by_side),
-        (&["--retraction", "exp"], &side_by_side),
+        (&["--retraction", "exp"], &json!(1)),
         (&["--method", "midpoint"], &json!(1)),
         (&["--method", "rk4"], &json!(1)),
         (&["--method", "verlet", "--order", "6", "--retraction", "cayley"], &json!(1)),

@@ -108,8 +108,8 @@ pub enum EnsembleError {
     NotGenerated(#[from] NotGenerated),
     /// Of systems whose types are erased, only standard steps are compiled for several states side by side.
     #[error(
-        "the scheme `{scheme}` is not made of standard steps, with which alone ensembles of systems chosen at run time move; take a bare \
-         retraction, `Exponential` or `Cayley`, or a composition of it"
+        "the scheme `{scheme}` is not made of standard steps on the Cayley map, with which alone ensembles of systems chosen at run time move; \
+         take `Cayley`, or a composition of it"
     )]
     NotStandard {
         /// The scheme.

@@ -12,7 +12,8 @@ use crate::schemes::Scheme;
 
 /// Many states of one system that move at the same time, each with parameters of its own: [`Ensemble`](crate::Ensemble) with its types erased.
 ///
-/// Compiled for states side by side are the standard steps on the exponential map and the Cayley map, and what is composed of them.
+/// Compiled for states side by side are the standard steps on the Cayley map, and what is composed of them; on vector spaces those on the
+/// exponential map are the same.
 pub struct Ensemble {
     /// The system with each member's parameters.
     systems: Vec<Arc<dyn System>>,
@@ -26,7 +27,7 @@ impl Ensemble {
     ///
     /// # Errors
     /// If a list of parameters or a state has not as many numbers as the system's, the parameters, the step or a state are not what a stepper
-    /// takes, or the scheme is not made of standard steps that were generated.
+    /// takes, or the scheme is not made of standard steps on the Cayley map that were generated.
     pub fn new(
         system: &dyn EnsembleSystem,
         scheme: &Scheme,

@@ -209,12 +209,13 @@ fn members_move_as_they_would_alone() {
     fn alone<S: Discretized<Cayley> + Geometry<Scalar = f64> + erased::EnsembleSystem>(
         (system, start): (S, S::State),
         control: &S::Control,
+        schemes: [&str; 2],
     ) {
         let numbers = start.to_components().as_ref().to_vec();
         let parameters = erased(&system).parameters();
         let scaled = |k: usize| parameters.iter().map(|x| x * (1.0 + 0.01 * k as f64)).collect::<Vec<_>>();
         let held = control.to_components().as_ref().to_vec();
-        for scheme in ["Cayley", "Exponential", "Order4<Cayley>", "Order6<Exponential>"] {
+        for scheme in schemes {
             let scheme: Scheme = scheme.parse().unwrap();
             let members = (0..11).map(|k| (scaled(k), numbers.clone()));
             let mut ensemble = erased::Ensemble::new(&system, &scheme, members, 0.02).unwrap();
@@ -229,11 +230,15 @@ fn members_move_as_they_would_alone() {
             assert_eq!((ensemble.time(), ensemble.failed()), (301.0 * 0.02, &[][..]));
         }
     }
-    alone(top(), &NoControl::default());
-    alone(craft(), &CraftControl { thrust: 12.0 });
+    alone(top(), &NoControl::default(), ["Cayley", "Order4<Cayley>"]);
+    alone(craft(), &CraftControl { thrust: 12.0 }, ["Cayley", "Order6<Cayley>"]);
     // where all retractions are one
     let start = LineState { position: vector![0.7], momentum: vector![-0.2] };
-    alone((Line { mass: 2.0, stiffness: 3.0 }, start), &NoControl::default());
+    alone(
+        (Line { mass: 2.0, stiffness: 3.0 }, start),
+        &NoControl::default(),
+        ["Exponential", "Order4<Cayley>"],
+    );
 }
 
 #[test]
@@ -243,13 +248,13 @@ fn a_scheme_that_members_have_not_side_by_side_is_refused() {
         let members = [(erased(&system).parameters(), state.to_components().to_vec())];
         erased::Ensemble::new(&system, &scheme.parse().unwrap(), members, 0.01).unwrap_err().to_string()
     };
-    let [midpoint, second] = ["Order4<Midpoint<Cayley>>", "SecondKind"].map(refused);
+    let [midpoint, exponential] = ["Order4<Midpoint<Cayley>>", "Exponential"].map(refused);
     assert_eq!(
         midpoint,
-        "the scheme `Order4<Midpoint<Cayley>>` is not made of standard steps, with which alone ensembles of systems chosen at run time move; \
-         take a bare retraction, `Exponential` or `Cayley`, or a composition of it"
+        "the scheme `Order4<Midpoint<Cayley>>` is not made of standard steps on the Cayley map, with which alone ensembles of systems chosen \
+         at run time move; take `Cayley`, or a composition of it"
     );
-    assert!(second.contains("`SecondKind` is not made of standard steps"), "{second}");
+    assert!(exponential.contains("`Exponential` is not made of standard steps on"), "{exponential}");
 }
 
 #[test]
