@@ -4,6 +4,7 @@ use crate::check::Description;
 use crate::diagnostics::Diagnostics;
 use crate::expr::Arena;
 use crate::limits::{COMPONENTS, DERIVATION};
+use crate::method::hamilton_jacobi;
 use crate::model::{Relation, System};
 use crate::parse::{Attribute, EnergyKey, Item, Key};
 
@@ -80,6 +81,14 @@ pub(crate) fn legendre(
         let message = "the second derivative of this by the velocity is singular, so that no velocity belongs to a momentum; \
                        each component of the velocity needs a kinetic energy";
         return diagnostics.fail(lagrangian, message);
+    }
+    if !hamilton_jacobi::is_for(system)
+        && let Some(hamiltonian) = hamiltonian
+        && attribute.methods.iter().any(|rule| *rule.method == hamilton_jacobi::METHOD)
+    {
+        let message = "with forces, Hamilton–Jacobi steps need the momentum of a velocity in closed form, which this does not give; \
+                       leave out `HamiltonJacobi`, or the forces";
+        return diagnostics.fail(hamiltonian, message);
     }
     let needing =
         attribute.methods.iter().find_map(|rule| Some((rule.method.name, rule.method.needs_momentum?)));

@@ -5,13 +5,15 @@ use num_rational::Ratio;
 use crate::expr::Number;
 pub use crate::group::Retraction;
 
-/// A method, as users and generated code name it: a family of steps with a parameter `s`.
+/// A method, as users and generated code name it: a family of steps with a parameter.
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Method {
     /// Its name in descriptions, and that of its type in the runtime.
     pub name: &'static str,
     /// Its name among the runtime's rules.
     pub rule: &'static str,
+    /// The orders that its parameter is one of; none where that is a share `s` of the step.
+    pub orders: &'static [u32],
     /// The members with names of their own.
     pub named: &'static [(&'static str, Member)],
     /// The member that a retraction alone stands for.
@@ -28,8 +30,22 @@ impl Method {
 
     /// A member as a rule.
     pub const fn member(&'static self, member: Member) -> Rule {
-        Rule { method: self, member }
+        Rule { method: self, parameter: Parameter::Share(member) }
     }
+
+    /// The step of this order as a rule.
+    pub const fn of_order(&'static self, order: u32) -> Rule {
+        Rule { method: self, parameter: Parameter::Order(order) }
+    }
+}
+
+/// What tells a method's steps from each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Parameter {
+    /// The share `s` of the step before the intermediate point.
+    Share(Member),
+    /// The order.
+    Order(u32),
 }
 
 /// The rule of a step: a member of a method.
@@ -37,14 +53,15 @@ impl Method {
 pub struct Rule {
     /// The method.
     pub method: &'static Method,
-    /// Its parameter `s`.
-    pub member: Member,
+    /// Which of its steps.
+    pub parameter: Parameter,
 }
 
 impl Rule {
     /// Its name, if it has one.
     pub fn name(self) -> Option<&'static str> {
-        self.method.named.iter().find(|&&(_, member)| member == self.member).map(|&(name, _)| name)
+        let mut named = self.method.named.iter();
+        named.find(|&&(_, member)| Parameter::Share(member) == self.parameter).map(|&(name, _)| name)
     }
 }
 
@@ -61,20 +78,26 @@ impl Scheme {
     /// Its name in generated code: `ExponentialMidpoint`, `CayleyFamily1Over4`; the retraction's alone for the member
     /// that this stands for.
     pub fn name(self) -> String {
-        let (retraction, Rule { method, member }) = (self.retraction.name(), self.rule);
-        match self.rule.name() {
-            _ if method.bare == Some(member) => retraction.to_owned(),
-            Some(name) => format!("{retraction}{name}"),
-            None => format!("{retraction}{}{}Over{}", method.name, member.numerator, member.denominator),
+        let (retraction, Rule { method, parameter }) = (self.retraction.name(), self.rule);
+        match (self.rule.name(), parameter) {
+            (_, Parameter::Share(member)) if method.bare == Some(member) => retraction.to_owned(),
+            (Some(name), _) => format!("{retraction}{name}"),
+            (None, Parameter::Share(Member { numerator, denominator })) => {
+                format!("{retraction}{}{numerator}Over{denominator}", method.name)
+            }
+            (None, Parameter::Order(order)) => format!("{retraction}{}{order}", method.name),
         }
     }
 
     /// Its type in the runtime, as users write it: `Midpoint<Cayley>`.
     pub fn type_name(self) -> String {
-        let (retraction, Rule { method, member }) = (self.retraction.name(), self.rule);
-        match self.rule.name() {
-            Some(name) => format!("{name}<{retraction}>"),
-            None => format!("{}<{retraction}, {}, {}>", method.name, member.numerator, member.denominator),
+        let (retraction, Rule { method, parameter }) = (self.retraction.name(), self.rule);
+        match (self.rule.name(), parameter) {
+            (Some(name), _) => format!("{name}<{retraction}>"),
+            (None, Parameter::Share(Member { numerator, denominator })) => {
+                format!("{}<{retraction}, {numerator}, {denominator}>", method.name)
+            }
+            (None, Parameter::Order(order)) => format!("{}<{retraction}, {order}>", method.name),
         }
     }
 }

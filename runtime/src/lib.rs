@@ -225,8 +225,8 @@ pub use observe::{Invariants, Observer};
 pub use retraction::{Cayley, Exponential, SecondKind};
 pub use run::{Run, RunError, RunReport, Tick};
 pub use scheme::{
-    Family, Midpoint, RightLift, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift,
-    TangentMidpoint,
+    Family, HamiltonJacobi, Midpoint, RightLift, StormerVerlet, SymplecticEulerA, SymplecticEulerB,
+    TangentLift, TangentMidpoint,
 };
 #[cfg(feature = "std")]
 #[doc(hidden)]
@@ -258,7 +258,7 @@ pub mod __private {
     pub use crate::retraction::RetractionKind;
     pub use crate::scalar::stumpff::family;
     pub use crate::scalar::{Batch, Components, Scalar};
-    pub use crate::scheme::{Family, Rule, StormerVerlet, TangentLift};
+    pub use crate::scheme::{Family, HamiltonJacobi, Rule, StormerVerlet, TangentLift};
     pub use crate::solve::step::OneStep;
     pub use crate::system::{
         Control, Generated, Geometry, Isolated, Kind, NoControl, Quantity, Retracted, Role, Schemes, Side,

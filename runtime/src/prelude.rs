@@ -12,7 +12,7 @@ pub use crate::error::{ParameterError, StepError};
 #[cfg(feature = "std")]
 pub use crate::fused::Fused;
 pub use crate::retraction::{Cayley, Exponential};
-pub use crate::scheme::{Midpoint, StormerVerlet, SymplecticEulerA, SymplecticEulerB};
+pub use crate::scheme::{HamiltonJacobi, Midpoint, StormerVerlet, SymplecticEulerA, SymplecticEulerB};
 pub use crate::stepper::Stepper;
 pub use crate::system::{Control as _, NoControl, State as _, System as _};
 pub use crate::{expression, lie_group, lie_poisson_system};

@@ -79,6 +79,27 @@ pub struct TangentLift<R = Exponential, const N: u32 = 0, const D: u32 = 1>(Phan
 /// The [tangent lift](TangentLift) with `s = ½`, symmetric and of order 2.
 pub type TangentMidpoint<R = Exponential> = TangentLift<R, 1, 2>;
 
+/// A step of the even order `P`, from 4 to 10, from one equation: symplectic, for left-invariant systems a Poisson map that keeps the Casimirs,
+/// and symmetric, as [`Midpoint`] is. Asked for with `methods(HamiltonJacobi(6))`.
+///
+/// Where the midpoint step solves `∂l/∂ξ(ḡ, η/h) = m̄` with the Lagrangian `l`, the action over a step in the lowest order, this solves the same
+/// with the action up to order `P`, a power series in the step that the macro derives: with the unknown `η`, `ḡ = g_k τ(η/2)`,
+///
+/// ```text
+/// m⁻ = Ad*_{τ(−η/2)⁻¹} μ_k,   m⁺ = m⁻ + ∂R/∂g
+/// ∂R/∂η = ½ (dR τ_{η/2})* m⁺ + ½ (dL τ_{−η/2})* μ_k
+/// μ_{k+1} = Ad*_{τ(η/2)} m⁺,   g_{k+1} = ḡ τ(η/2)
+/// ```
+///
+/// where `R(ḡ, η, h)` is the action of the motion from `ḡ τ(−η/2)` to `ḡ τ(η/2)` in the time `h`: Hamilton's principal function, which solves the
+/// Hamilton–Jacobi equation. There has to be a momentum for each velocity in closed form, as there is for every inertia, Lagrangian, and
+/// Hamiltonian that is quadratic in the momentum. With forces the step is not symplectic, nor is the motion; order and symmetry stay. Controls
+/// are held over a step; what changes within it belongs into the description, as a function of `t`.
+///
+/// Ge and Marsden, Phys. Lett. A 133 (1988) 134.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct HamiltonJacobi<R = Exponential, const P: u32 = 6>(PhantomData<R>);
+
 /// The scheme `M` carrying the momentum in space coordinates, (6.6) and (6.9) of the paper, for systems on which nothing
 /// [acts](crate::system::Isolated): the spatial momentum is constant bit for bit, and the body momentum is what belongs to it. Where
 /// `invariance = right` it is the other way round: the momentum in the body is constant and carried, that in space belongs to it.
@@ -101,6 +122,8 @@ pub enum Rule {
     Member(u32, u32),
     /// The [`TangentLift`] with `s = numerator/denominator`, in lowest terms.
     TangentLift(u32, u32),
+    /// The [`HamiltonJacobi`] step of this order.
+    HamiltonJacobi(u32),
 }
 
 /// The type that stands for a generated step.
@@ -120,4 +143,9 @@ impl<R: Retraction + 'static, const N: u32, const D: u32> Base for Family<R, N, 
 impl<R: Retraction + 'static, const N: u32, const D: u32> Base for TangentLift<R, N, D> {
     const MAP: RetractionKind = R::MAP;
     const RULE: Rule = Rule::TangentLift(N, D);
+}
+
+impl<R: Retraction + 'static, const P: u32> Base for HamiltonJacobi<R, P> {
+    const MAP: RetractionKind = R::MAP;
+    const RULE: Rule = Rule::HamiltonJacobi(P);
 }

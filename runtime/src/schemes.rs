@@ -168,6 +168,12 @@ impl Scheme {
                 let order = if symmetric { 2 } else { 1 };
                 Properties { order, symmetric, poisson: false, casimirs: ConservedCasimirs::Advected }
             }
+            Self::Step(_, Rule::HamiltonJacobi(order)) => Properties {
+                order,
+                symmetric: true,
+                poisson: !system.forced,
+                casimirs: ConservedCasimirs::All,
+            },
             // half of the first member, then half of its adjoint
             Self::StormerVerlet(map) | Self::Standard(map) => {
                 Properties { order: 2, symmetric: true, ..Self::member(map, 0, 1).properties(system) }
@@ -221,6 +227,7 @@ impl fmt::Display for Scheme {
             Self::Step(map, Rule::TangentLift(0, 1)) => write!(f, "TangentLift<{map:?}>"),
             Self::Step(map, Rule::TangentLift(1, 2)) => write!(f, "TangentMidpoint<{map:?}>"),
             Self::Step(map, Rule::TangentLift(n, d)) => write!(f, "TangentLift<{map:?}, {n}, {d}>"),
+            Self::Step(map, Rule::HamiltonJacobi(order)) => write!(f, "HamiltonJacobi<{map:?}, {order}>"),
             Self::StormerVerlet(map) => write!(f, "StormerVerlet<{map:?}>"),
             Self::RightLift(base) => write!(f, "RightLift<{base}>"),
             Self::Composed(set, base) => match CoefficientSet::named().iter().find(|(_, named)| named == set)
@@ -236,7 +243,8 @@ impl fmt::Display for Scheme {
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error(
     "`{text}` names no scheme: one is a retraction (`Exponential`, `Cayley`, `SecondKind`), or `SymplecticEulerA`, `Midpoint`, \
-     `SymplecticEulerB`, `StormerVerlet`, `TangentLift` or `TangentMidpoint` on one (`Midpoint<Cayley>`), `Family<Cayley, 1, 4>`, or \
+     `SymplecticEulerB`, `StormerVerlet`, `TangentLift` or `TangentMidpoint` on one (`Midpoint<Cayley>`), `Family<Cayley, 1, 4>`, \
+     `HamiltonJacobi<Cayley, 6>`, or \
      `Order4`, `Order6`, `Order8`, `Order10` or `RightLift` of another scheme (`Order4<Cayley>`)"
 )]
 #[non_exhaustive]
@@ -294,6 +302,13 @@ fn parsed(text: &str, most: usize) -> Option<Scheme> {
             let rule = if name == "Family" { Rule::Member } else { Rule::TangentLift };
             Some(Scheme::Step(map, rule(n / common, d / common)))
         }
+        "HamiltonJacobi" => {
+            let (map, order) = match inner.split_once(',') {
+                Some((map, order)) => (map, order.trim().parse().ok()?),
+                None => (inner, 6),
+            };
+            Some(Scheme::Step(on(map)?, Rule::HamiltonJacobi(order)))
+        }
         "SymplecticEulerA" | "Family" => member(0, 1),
         "TangentLift" => lift(0, 1),
         "StormerVerlet" => Some(Scheme::StormerVerlet(on(inner)?)),
@@ -345,7 +360,9 @@ fn without_paths(name: &str) -> String {
 mod tests {
     use super::*;
     use crate::composition::{Order4, Order10};
-    use crate::scheme::{Family, Midpoint, SymplecticEulerA, SymplecticEulerB, TangentLift, TangentMidpoint};
+    use crate::scheme::{
+        Family, HamiltonJacobi, Midpoint, SymplecticEulerA, SymplecticEulerB, TangentLift, TangentMidpoint,
+    };
 
     #[test]
     fn schemes_are_read_as_they_are_written() {
@@ -360,6 +377,7 @@ mod tests {
             TangentLift::<Cayley>::scheme(),
             TangentMidpoint::<Exponential>::scheme(),
             TangentLift::<Cayley, 2, 3>::scheme(),
+            HamiltonJacobi::<Cayley, 8>::scheme(),
             StormerVerlet::<Cayley>::scheme(),
             RightLift::<Midpoint>::scheme(),
             Order4::<StormerVerlet<Cayley>>::scheme(),
@@ -373,6 +391,7 @@ mod tests {
         // with what is left out as types have it, and in lowest terms
         assert_eq!("Midpoint".parse(), Ok(Midpoint::<Exponential>::scheme()));
         assert_eq!("Family".parse(), Ok(Family::<Exponential>::scheme()));
+        assert_eq!("HamiltonJacobi<Cayley>".parse(), Ok(HamiltonJacobi::<Cayley>::scheme()));
         assert_eq!("RightLift".parse(), Ok(RightLift::<SymplecticEulerA>::scheme()));
         assert_eq!("Family<Cayley, 2, 4>".parse(), Ok(Midpoint::<Cayley>::scheme()));
         assert_eq!("Family<Cayley, 0, 7>".parse(), Ok(SymplecticEulerA::<Cayley>::scheme()));
@@ -389,6 +408,8 @@ mod tests {
             "Midpoint<",
             "Midpoint<Cayley",
             "Midpoint<Midpoint>",
+            "HamiltonJacobi<Cayley, six>",
+            "HamiltonJacobi<6>",
             "Cayley<>",
             "Order4",
             "Order4<>",

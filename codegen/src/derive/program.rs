@@ -131,7 +131,9 @@ pub(crate) fn step<'a>(
         let linearization = Linearization::new(arena, system, &step, wanted);
         kernel::derivative(arena, &step, &linearization, wanted, Inputs::of(system))
     });
-    StepProgram { scheme, aliases, blocks: step.blocks, bounded: step.bounded, module, derivative }
+    let crate::method::Step { blocks, bounded, iteration, .. } = step;
+    let is_chord = iteration != crate::method::Iteration::FixedPoint;
+    StepProgram { scheme, aliases, blocks, bounded, is_chord, module, derivative }
 }
 
 /// Parameters and state.

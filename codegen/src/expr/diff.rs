@@ -15,6 +15,23 @@ impl<'a> Expr<'a> {
         Derivative::new(self.arena, symbol).of(self)
     }
 
+    /// The expression with Stumpff functions replaced by the first two terms of their series.
+    pub fn with_short_stumpff(self) -> Expr<'a> {
+        let arena = self.arena;
+        let mut known: FxHashMap<Id, Id> = FxHashMap::default();
+        for id in arena.post_order([self.id], |_| false) {
+            let image = match arena.node(id) {
+                Node::Function(Function::Stumpff(k), z) => {
+                    let at_zero = |k| arena.zero().stumpff(k);
+                    (at_zero(k) - at_zero(k + 2) * arena.expr(known[&z])).id
+                }
+                _ => arena.rebuild(id, |operand| known[&operand]),
+            };
+            known.insert(id, image);
+        }
+        arena.expr(known[&self.id])
+    }
+
     /// The expression with symbols replaced.
     pub fn substitute(self, replacements: &[(Symbol, Expr<'a>)]) -> Expr<'a> {
         Substitution::new(self.arena, replacements).of(self)
@@ -216,6 +233,30 @@ impl<'a> Derivative<'a> {
     }
 }
 
+impl<'a> Expr<'a> {
+    /// The operands of a function, a power or an arc tangent, each with the derivative with respect to it.
+    pub(super) fn partial_derivatives(self) -> Vec<(Id, Expr<'a>)> {
+        let arena = self.arena;
+        match arena.node(self.id) {
+            Node::Function(function, x) => vec![(x, function.derivative(arena.expr(x)))],
+            Node::Power(base, exponent) => {
+                let (b, e) = (arena.expr(base), arena.expr(exponent));
+                let by_base = (base, e * b.pow(e - 1));
+                match e.as_number() {
+                    Some(_) => vec![by_base],
+                    None => vec![by_base, (exponent, b.apply(Function::Ln) * self)],
+                }
+            }
+            Node::Atan2(y, x) => {
+                let (u, v) = (arena.expr(y), arena.expr(x));
+                let squared = u * u + v * v;
+                vec![(y, v / squared), (x, -u / squared)]
+            }
+            _ => Vec::new(),
+        }
+    }
+}
+
 /// `(c, u)` with `expr = c/u`, for a number `c`.
 fn quotient(expr: Expr<'_>) -> Option<(Number, Expr<'_>)> {
     let (number, rest) = expr.split_number();
@@ -310,21 +351,10 @@ fn reverse<'a>(
                 }
             }
             Node::Held(inner) => give(inner, adjoint),
-            Node::Function(function, argument) => {
-                give(argument, of(function.derivative(arena.expr(argument))));
-            }
-            Node::Power(base, exponent) => {
-                let (b, e) = (arena.expr(base), arena.expr(exponent));
-                give(base, of(e * b.pow(e - 1)));
-                if e.as_number().is_none() {
-                    give(exponent, of(b.apply(Function::Ln) * arena.expr(id)));
+            Node::Function(..) | Node::Power(..) | Node::Atan2(..) => {
+                for (operand, slope) in arena.expr(id).partial_derivatives() {
+                    give(operand, of(slope));
                 }
-            }
-            Node::Atan2(y, x) => {
-                let (u, v) = (arena.expr(y), arena.expr(x));
-                let squared = u * u + v * v;
-                give(y, of(v / squared));
-                give(x, of(-u / squared));
             }
             // they are known, and left over
             Node::Choice(_) => {}

@@ -9,9 +9,11 @@ mod linear;
 pub(crate) mod modular;
 mod node;
 mod number;
+mod polynomial;
 mod quotient;
 mod rational;
 mod rule;
+mod series;
 mod vanishing;
 
 pub use arena::Arena;
@@ -26,3 +28,4 @@ pub use node::{Function, Id, Node, Stage, Sum, Symbol, SymbolInfo};
 pub use number::Number;
 pub(crate) use rational::Rational;
 pub use rule::DerivativeRule;
+pub use series::{Part, Series};

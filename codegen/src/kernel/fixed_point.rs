@@ -1,7 +1,7 @@
 //! The update of the fixed-point iteration on a step's equation `L x = right(x)`.
 
 use crate::expr::{Expr, Matrix, Stage, Vector};
-use crate::method::Step;
+use crate::method::{Iteration, Step};
 
 /// `L⁻¹`, where the left side is linear in the unknown with coefficients that depend on parameters and step alone: it
 /// is then computed once, when the stepper is built.
@@ -24,6 +24,17 @@ fn inverse<'a>(step: &Step<'a>) -> Option<Matrix<'a>> {
 pub(super) fn update<'a>(step: &Step<'a>, right: &Vector<'a>) -> Option<Vector<'a>> {
     let inverse = inverse(step)?;
     Some(cleared_update(step, &inverse).unwrap_or_else(|| inverse.map(Expr::hold).times(right)))
+}
+
+/// The next iterate of the simplified Newton iteration, `x − M⁻¹ (left(x) − right)`.
+pub(super) fn simplified_newton<'a>(step: &Step<'a>, right: &Vector<'a>) -> Vector<'a> {
+    let unknown = step.unknown.symbols();
+    let start: Vec<_> = unknown.iter().copied().zip(step.start.iter()).collect();
+    let matrix = step.coarse_residual.jacobian(&unknown).map(|entry| match step.iteration {
+        Iteration::Chord => entry.substitute(&start).hold(),
+        _ => entry.hold(),
+    });
+    &step.unknown - &matrix.solve(&(&step.left - right))
 }
 
 /// The next iterate on the equation without denominators, if there are any. Where the right side is `n/(1 + d)`, and

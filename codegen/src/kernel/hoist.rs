@@ -17,6 +17,8 @@ pub(super) struct Outline<R> {
     pub role: R,
     /// The record that it returns.
     pub record: Option<RecordKind>,
+    /// Whether it computes what depends on the unknown itself, for another value of that than the record is of.
+    pub is_apart: bool,
     pub results: Vec<Vec<Signed>>,
 }
 
@@ -70,7 +72,11 @@ impl Homes {
         let mut placement = Self { places, stored: BTreeSet::new() };
 
         // everything that some function computes
-        let used = dag.reachable_from(functions.iter().flat_map(Outline::results).map(|s| s.op).collect());
+        let (apart, others): (Vec<_>, Vec<_>) = functions.iter().partition(|function| function.is_apart);
+        let results = |functions: &[&Outline<StepRole>]| {
+            functions.iter().flat_map(|function| function.results()).map(|signed| signed.op).collect()
+        };
+        let used = dag.reachable_from(results(&others));
         for op in dag.ops() {
             if used.contains(&op) || placement.places[&op] == Some(RecordKind::Iterate) {
                 for operand in dag.operation(op).operands() {
@@ -78,12 +84,26 @@ impl Homes {
                 }
             }
         }
-        for function in functions {
+        for function in others {
             for signed in function.results() {
                 placement.store_if_used_elsewhere(dag, signed.op, function.record, &is_given);
             }
         }
+        for op in dag.reachable_from(results(&apart)) {
+            let is_local = |op: Op| matches!(placement.places[&op], None | Some(RecordKind::Iterate));
+            let operands = dag.operation(op).operands().into_iter();
+            let known = operands.chain([op]).filter(|&known| is_local(op) && !is_local(known));
+            for operand in known.collect::<Vec<_>>() {
+                placement.store_if_used_elsewhere(dag, operand, None, &is_given);
+            }
+        }
         placement
+    }
+
+    /// For a function that finds nothing of this record.
+    pub(super) fn without(&self, kind: RecordKind) -> Self {
+        let is_other = |op: &Op| self.places[op] != Some(kind);
+        Self { places: self.places.clone(), stored: self.stored.iter().copied().filter(is_other).collect() }
     }
 
     /// Stores a value that is used in another place than it is computed in, unless it is at hand there.

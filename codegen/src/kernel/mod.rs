@@ -15,7 +15,7 @@ mod statements;
 pub use derivative::derivative;
 
 use crate::expr::{Arena, Expr, Matrix, Stage, Symbol, Vector};
-use crate::method::Step;
+use crate::method::{Iteration, Step};
 use crate::model::System;
 use crate::program::{
     Argument, Function, FunctionRole, Input, Module, Record, RecordKind, StepRole, SystemRole, Value, Values,
@@ -70,7 +70,10 @@ pub fn step<'a>(arena: &'a Arena, step: &Step<'a>, inputs: Inputs) -> Module<Ste
     };
     let (residual, right) = (numbered("residual"), numbered("right"));
     let none = || Vector(Vec::new());
-    let update = fixed_point::update(step, &right).unwrap_or_else(none);
+    let update = match step.iteration {
+        Iteration::FixedPoint => fixed_point::update(step, &right).unwrap_or_else(none),
+        Iteration::Chord | Iteration::Newton => fixed_point::simplified_newton(step, &right),
+    };
     let correction = correction(step, &residual);
     let inputs = inputs
         .with(Input::StepSize, step.h.as_symbol().into_iter().collect())
@@ -98,7 +101,10 @@ pub fn step<'a>(arena: &'a Arena, step: &Step<'a>, inputs: Inputs) -> Module<Ste
     ];
     functions.extend((!update.is_empty()).then(|| returned(StepRole::FixedPointUpdate, vec![update])));
     functions.extend((!domain.is_empty()).then(|| returned(StepRole::Domain, vec![domain])));
-    functions.push(returned(StepRole::Finish, vec![next]));
+    functions.push(Outline {
+        is_apart: step.iteration != Iteration::FixedPoint,
+        ..returned(StepRole::Finish, vec![next])
+    });
     let placement = Homes::of_step(&code.dag, &functions, &step.given);
     code.module(placement, functions)
 }
@@ -136,11 +142,11 @@ pub fn function<'a>(
 }
 
 fn returned<R>(role: R, results: Vec<Vec<Signed>>) -> Outline<R> {
-    Outline { role, record: None, results }
+    Outline { role, record: None, is_apart: false, results }
 }
 
 fn record<R>(role: R, kind: RecordKind) -> Outline<R> {
-    Outline { role, record: Some(kind), results: Vec::new() }
+    Outline { role, record: Some(kind), is_apart: false, results: Vec::new() }
 }
 
 /// A module in the making.
@@ -176,8 +182,9 @@ impl<'a> Code<'a> {
             kinds.map(|kind| Record { kind, fields: self.fields(&placement, kind) }).collect();
         let functions = functions.iter().map(|returned| {
             let storing = returned.record.map_or_else(Vec::new, |kind| placement.stored_in(kind));
-            let (statements, results) =
-                Writer::body(&self.dag, &placement, &mut self.names, returned, &storing);
+            let apart = returned.is_apart.then(|| placement.without(RecordKind::Iterate));
+            let found = apart.as_ref().unwrap_or(&placement);
+            let (statements, results) = Writer::body(&self.dag, found, &mut self.names, returned, &storing);
             let inputs = returned.role.signature().inputs.iter().filter(|input| self.inputs.has(**input));
             let arguments = inputs.map(|&input| Argument { input, values: self.components(&records, input) });
             let (arguments, role, record) = (arguments.collect(), returned.role, returned.record);

@@ -3,13 +3,14 @@
 
 use super::names::ValueNames;
 use super::presolve::{Equation, Presolved};
-use super::step::{Increment, Step, step_symbol};
+use super::step::{Increment, Iteration, Step, step_symbol};
 use crate::expr::{Arena, Expr, Number, Stage, Symbol, Vector};
-use crate::group::Retraction;
-use crate::model::{Parts, Slot, System};
+use crate::group::{Retraction, Side};
+use crate::model::{Parts, Relation, Slot, System};
 use crate::scheme::Member;
 
 /// A discretization map for a system, and the step that it is taken with.
+#[derive(Clone)]
 pub(super) struct Discretization<'s, 'a> {
     pub system: &'s System<'a>,
     pub names: ValueNames<'s, 'a>,
@@ -89,6 +90,25 @@ impl<'s, 'a> Discretization<'s, 'a> {
         }
     }
 
+    /// A first approximation of `y`: `t ξ_k`, or rest where no closed form gives the velocity.
+    pub(super) fn start(&self) -> Vector<'a> {
+        match self.system.velocity_relation() {
+            Relation::Explicit(velocity) => velocity.scale(self.step),
+            Relation::Implicit(_) | Relation::Singular => {
+                Vector::zeros(self.step.arena(), self.system.dimension())
+            }
+        }
+    }
+
+    /// `dL τ_x v` for velocities in the body, `dR τ_x v` for those in space.
+    pub(super) fn carried_velocity(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+        let (group, retraction) = (&self.system.group, self.moving.behind);
+        match self.system.side {
+            Side::Left => group.d_left(retraction, x, v),
+            Side::Right => group.d_right(retraction, x, v),
+        }
+    }
+
     /// `unknown = right`, in the system's order.
     pub(super) fn explicit(
         &self,
@@ -140,6 +160,7 @@ impl<'s, 'a> Discretization<'s, 'a> {
             blocks: equations.iter().flat_map(|equation| equation.blocks.clone()).collect(),
             start: join(|equation| &equation.start),
             coarse_residual: &left - &right,
+            iteration: Iteration::FixedPoint,
             left,
             right,
             next: system.join_state(next).substitute(&found),

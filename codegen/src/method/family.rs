@@ -43,13 +43,14 @@ use super::presolve::{Equation, presolve};
 use super::step::Step;
 use crate::expr::{Arena, Vector, gradient, uncoupled};
 use crate::group::{Retraction, SemidirectVector};
-use crate::model::{Energy, Factor, Parts, Relation, System};
+use crate::model::{Energy, Factor, Parts, System};
 use crate::scheme::{Member, Method};
 
 /// The family of steps.
 pub const METHOD: Method = Method {
     name: "Family",
     rule: "Member",
+    orders: &[],
     named: &[
         ("SymplecticEulerA", Member::SYMPLECTIC_EULER_A),
         ("Midpoint", Member::MIDPOINT),
@@ -233,7 +234,7 @@ impl<'a> Family<'_, 'a> {
                 let mean = self.0.explicit(&motion.mean, mean, system.momentum());
                 let mean = Equation { names: names.components("mu"), ..mean };
                 let velocity = self.0.names.per_scale(&velocity);
-                let velocity = self.0.explicit(&motion.x, velocity, self.0.names.per_scale(&self.start()));
+                let velocity = self.0.explicit(&motion.x, velocity, self.0.names.per_scale(&self.0.start()));
                 [mean, velocity].iter().flat_map(|equation| equation.apart(&system.group, &alone)).collect()
             }
             _ => {
@@ -263,17 +264,7 @@ impl<'a> Family<'_, 'a> {
         Equation {
             left: self.0.names.times_scale(&intermediate.momentum),
             solved: solved.map(|solved| self.0.names.per_scale(&solved)),
-            ..self.0.explicit(&motion.x, right, self.0.names.per_scale(&self.start()))
-        }
-    }
-
-    /// A first approximation of `y`: `t ξ_k`, or rest where no closed form gives the velocity.
-    fn start(&self) -> Vector<'a> {
-        match self.0.system.velocity_relation() {
-            Relation::Explicit(velocity) => velocity.scale(self.0.step),
-            Relation::Implicit(_) | Relation::Singular => {
-                Vector::zeros(self.0.step.arena(), self.0.system.dimension())
-            }
+            ..self.0.explicit(&motion.x, right, self.0.names.per_scale(&self.0.start()))
         }
     }
 }

@@ -4,25 +4,36 @@
 
 mod discretization;
 pub mod family;
+pub mod hamilton_jacobi;
 pub mod linearization;
+mod motion;
 mod names;
 pub mod presolve;
 mod step;
 pub mod tangent_lift;
 
-pub use step::{Increment, Step, step_symbol};
+pub use step::{Increment, Iteration, Step, step_symbol};
 
 use crate::expr::Arena;
 use crate::group::Retraction;
 use crate::model::System;
-use crate::scheme::{Member, Method, Rule, Scheme};
+use crate::scheme::{Member, Method, Parameter, Rule, Scheme};
 
-/// A method's step of a system.
-type StepOf = for<'a> fn(&'a Arena, &System<'a>, Retraction, Member) -> Step<'a>;
+/// What makes a method's step of a system, by its parameter.
+#[derive(Clone, Copy)]
+pub enum StepOf {
+    /// By the share of the step before the intermediate point.
+    Share(for<'a> fn(&'a Arena, &System<'a>, Retraction, Member) -> Step<'a>),
+    /// By the order.
+    Order(for<'a> fn(&'a Arena, &System<'a>, Retraction, u32) -> Step<'a>),
+}
 
 /// The methods, each with what makes its steps.
-pub const METHODS: [(&Method, StepOf); 2] =
-    [(&family::METHOD, family::step), (&tangent_lift::METHOD, tangent_lift::step)];
+pub const METHODS: [(&Method, StepOf); 3] = [
+    (&family::METHOD, StepOf::Share(family::step)),
+    (&tangent_lift::METHOD, StepOf::Share(tangent_lift::step)),
+    (&hamilton_jacobi::METHOD, StepOf::Order(hamilton_jacobi::step)),
+];
 
 /// The rules that every system has steps by: both ends of the family.
 pub const STANDARD: [Rule; 2] = [FIRST, LAST];
@@ -51,16 +62,17 @@ impl Scheme {
 
     /// The step that it makes of a system.
     pub fn step<'a>(self, arena: &'a Arena, system: &System<'a>) -> Step<'a> {
-        let Rule { method, member } = self.rule;
+        let Rule { method, parameter } = self.rule;
         let (_, step_of) = METHODS.into_iter().find(|(known, _)| *known == method).unwrap_or(METHODS[0]);
-        let step = |retraction| step_of(arena, system, retraction, member);
+        let step = |retraction| match (step_of, parameter) {
+            (StepOf::Share(step), Parameter::Share(member)) => step(arena, system, retraction, member),
+            (StepOf::Order(step), Parameter::Order(order)) => step(arena, system, retraction, order),
+            // no method is made with the other's parameter
+            _ => family::step(arena, system, retraction, Member::MIDPOINT),
+        };
         let mut whole = step(self.retraction);
         if system.group.is_summed(self.retraction) {
-            let coarse = step(Retraction::Coarse);
-            // of the same equations, with symbols of their own
-            let symbols = coarse.unknown.symbols().into_iter().chain(coarse.h.as_symbol());
-            let same: Vec<_> = symbols.zip(whole.unknown.iter().chain([whole.h])).collect();
-            whole.coarse_residual = coarse.coarse_residual.substitute(&same);
+            whole.take_coarse_residual(step(Retraction::Coarse));
         }
         whole
     }

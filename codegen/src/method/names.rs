@@ -6,6 +6,7 @@ use crate::model::{Factor, System};
 
 /// The names of a step's values, and the scale of its unknown, which some are called by. Functions that name something
 /// return it.
+#[derive(Clone)]
 pub(super) struct ValueNames<'s, 'a> {
     system: &'s System<'a>,
     /// For each factor the number `k` for which its unknown is `η/k`.

@@ -55,14 +55,20 @@ pub struct Presolved<'a> {
 }
 
 /// Solves for what can be solved for without iteration.
-pub fn presolve(mut equations: Vec<Equation<'_>>) -> Presolved<'_> {
+pub fn presolve(equations: Vec<Equation<'_>>) -> Presolved<'_> {
+    presolve_only(equations, None)
+}
+
+/// The same; these unknowns are left, if it is said which.
+pub fn presolve_only<'a>(mut equations: Vec<Equation<'a>>, left: Option<&[String]>) -> Presolved<'a> {
+    let is_left = |equation: &Equation<'a>| left.is_some_and(|left| left.contains(&equation.names[0]));
     let mut found: Vec<(Symbol, Expr<'_>)> = Vec::new();
     loop {
         let all: Vec<Symbol> = equations.iter().flat_map(|equation| equation.unknown.symbols()).collect();
-        let solution = equations.iter().enumerate().find_map(|(i, equation)| Some((i, equation.explicit()?)));
-        let solution = solution.or_else(|| {
-            equations.iter().enumerate().find_map(|(i, equation)| Some((i, equation.linear(&all)?)))
-        });
+        let mut others = equations.iter().enumerate().filter(|(_, equation)| !is_left(equation));
+        let solution = others.clone().find_map(|(i, equation)| Some((i, equation.explicit()?)));
+        let solution =
+            solution.or_else(|| others.find_map(|(i, equation)| Some((i, equation.linear(&all)?))));
         let Some((i, values)) = solution else { return Presolved { equations, found } };
         let equation = equations.remove(i);
         let values =

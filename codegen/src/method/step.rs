@@ -21,6 +21,8 @@ pub struct Step<'a> {
     pub right: Vector<'a>,
     /// `left(x) − right(x)` for Newton's matrix alone: up to a few terms of series that are not finite sums.
     pub coarse_residual: Vector<'a>,
+    /// What is iterated from the first iterate on.
+    pub iteration: Iteration,
     /// Each positive while `x` is inside a retraction's domain.
     pub domain: Vec<Expr<'a>>,
     /// How the configuration is moved, one increment after the other.
@@ -29,6 +31,27 @@ pub struct Step<'a> {
     pub next: Vector<'a>,
     /// Its components that are bounded if the unknown is: rotations.
     pub bounded: Vec<bool>,
+}
+
+/// What is iterated, as long as that contracts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Iteration {
+    /// `x ← left⁻¹(right(x))`, which contracts by about the angle of a step.
+    FixedPoint,
+    /// The simplified Newton iteration with the matrix of the [coarse residual](Step::coarse_residual) where the search
+    /// begins.
+    Chord,
+    /// The same with the matrix at each iterate.
+    Newton,
+}
+
+impl<'a> Step<'a> {
+    /// Takes Newton's matrix from another step of the same equations, with symbols of its own.
+    pub(super) fn take_coarse_residual(&mut self, coarse: Self) {
+        let symbols = coarse.unknown.symbols().into_iter().chain(coarse.h.as_symbol());
+        let same: Vec<_> = symbols.zip(self.unknown.iter().chain([self.h])).collect();
+        self.coarse_residual = coarse.coarse_residual.substitute(&same);
+    }
 }
 
 /// One move of the configuration: from `g` to `g τ(x)`, on the other side to `τ(x) g`.

@@ -17,19 +17,21 @@
 //! to `μ_k`, and `μ_{k+1}` to `ξ_{k+1}`. What of it has no closed form is an unknown more; where there is none, which
 //! was reported, the step makes no sense.
 
-use super::discretization::{Discretization, Path, Values, bind, values};
+use super::discretization::{Discretization, Path, Values, values};
+use super::motion::Field;
 use super::names::symbols;
 use super::presolve::{Equation, presolve};
 use super::step::Step;
-use crate::expr::{Arena, Derivative, Expr, Vector, gradient};
-use crate::group::{Retraction, SemidirectVector, Side};
-use crate::model::{Energy, Parts, Relation, System};
+use crate::expr::{Arena, Expr, Vector};
+use crate::group::Retraction;
+use crate::model::{Parts, Relation, System};
 use crate::scheme::{Member, Method};
 
 /// The family of tangent lifts.
 pub const METHOD: Method = Method {
     name: "TangentLift",
     rule: "TangentLift",
+    orders: &[],
     named: &[("TangentLift", Member::SYMPLECTIC_EULER_A), ("TangentMidpoint", Member::MIDPOINT)],
     bare: None,
     needs_momentum: Some("tangent lifts"),
@@ -143,16 +145,11 @@ impl<'a> Lift<'_, 'a> {
         let mut values = self.values(&motion.nodes[0], &eta, self.0.early);
         let momentum = self.momentum(&values, "mu", equations);
         values.extend(self.0.system.momentum().symbols().into_iter().zip(momentum.iter()));
-        acceleration(self.0.step.arena(), self.0.system).substitute(&values).scale(self.0.step).hold()
-    }
-
-    /// `dL τ_x v` for velocities in the body, `dR τ_x v` for those in space.
-    fn carried(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
-        let (group, retraction) = (&self.0.system.group, self.0.moving.behind);
-        match self.0.system.side {
-            Side::Left => group.d_left(retraction, x, v),
-            Side::Right => group.d_right(retraction, x, v),
-        }
+        Field::new(self.0.step.arena(), self.0.system)
+            .acceleration
+            .substitute(&values)
+            .scale(self.0.step)
+            .hold()
     }
 
     /// `Ad_{τ(x)⁻¹} y` for a multiple `x` of `y` and velocities in the body, `Ad_{τ(x)} y` for those in space: `y`,
@@ -169,7 +166,7 @@ impl<'a> Lift<'_, 'a> {
     fn equation(&self, motion: &Motion<'a>, velocity: &Vector<'a>, kick: &Vector<'a>) -> Equation<'a> {
         let Discretization { step, early, .. } = self.0;
         let back = motion.y.scale(-early);
-        let right = velocity + &self.carried(&back, kick).scale(early);
+        let right = velocity + &self.0.carried_velocity(&back, kick).scale(early);
         let right = self.0.names.per_scale(&right.scale(step));
         let start = match self.0.system.velocity_relation() {
             Relation::Explicit(_) => self.0.names.per_scale(&velocity.scale(step)),
@@ -184,48 +181,11 @@ impl<'a> Lift<'_, 'a> {
     fn next(&self, motion: &Motion<'a>, kick: &Vector<'a>, equations: &mut Vec<Equation<'a>>) -> Parts<'a> {
         let Discretization { step, late, .. } = self.0;
         let on = motion.y.scale(late);
-        let change = self.carried(&on, kick).scale(late);
+        let change = self.0.carried_velocity(&on, kick).scale(late);
         let velocity = &self.turned(&on, &motion.y).scale(step.recip()) + &change;
         let [_, end] = &motion.nodes;
         let values = self.values(end, &velocity, step.arena().one());
         let momentum = self.momentum(&values, "momentum_next", equations);
         Parts { configuration: end.configuration.clone(), momentum, advected: end.advected.clone() }
-    }
-}
-
-/// `ξ'` along the motion, a function of configuration, velocity, the momentum that belongs to it, advected parameters,
-/// time and controls: by `μ' = ad*_ξ μ − T*L_g ∂h/∂g + F`, and by what a velocity is to a momentum.
-fn acceleration<'a>(arena: &'a Arena, system: &System<'a>) -> Vector<'a> {
-    let (group, g, xi) = (&system.group, system.configuration(), system.velocity_symbols());
-    let by_advected = system.advected().map(|a| gradient(system.potential(), &a.value.symbols()));
-    let velocity = SemidirectVector { base: xi.clone(), spaces: by_advected.collect() };
-    let velocity = velocity.scale(arena.number(system.side.sign()));
-    let bracket = group.coadjoint(&velocity, &system.momentum_and_advected());
-    let in_body = match system.side {
-        Side::Left => xi,
-        Side::Right => group.to_body(&g, &xi),
-    };
-    let change = system.kick().map_or_else(|| bracket.base.clone(), |kick| &bracket.base + kick);
-    let mut direction = Values::new();
-    bind(&mut direction, &g, &group.stored_perturbation(&g, &in_body));
-    for (advected, change) in system.advected().zip(&bracket.spaces) {
-        bind(&mut direction, &advected.value, change);
-    }
-    direction.extend(system.time_symbol().into_iter().map(|time| (time, arena.one())));
-    match &system.energy {
-        Energy::Mechanical { inertia, .. } => inertia.solve_symmetric(&change),
-        Energy::Hamiltonian(energy) => {
-            let momentum = system.momentum().symbols();
-            direction.extend(momentum.iter().copied().zip(change.iter()));
-            let mut along = Derivative::along(arena, &direction);
-            gradient(*energy, &momentum).map(|component| along.of(component))
-        }
-        Energy::Lagrangian(lagrangian) => {
-            let velocity = system.velocity_symbols().symbols();
-            let momentum = gradient(*lagrangian, &velocity);
-            let mut along = Derivative::along(arena, &direction);
-            let rest = momentum.map(|component| along.of(component));
-            momentum.jacobian(&velocity).map(Expr::hold).solve(&(&change - &rest).hold())
-        }
     }
 }

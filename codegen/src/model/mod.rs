@@ -165,6 +165,25 @@ impl<'a> System<'a> {
         self.group.dimension()
     }
 
+    /// The same system with another energy.
+    pub fn with_energy(&self, energy: Energy<'a>) -> Self {
+        let (kick, velocity, casimirs) = Default::default();
+        Self { energy, kick, velocity, casimirs, ..self.clone() }
+    }
+
+    /// The same system with its Hamiltonian as a function of the momentum; an inverse inertia stands in it as it is.
+    pub fn by_momentum(&self) -> Self {
+        let energy = match &self.energy {
+            Energy::Mechanical { inertia, potential } => {
+                let inverse = inertia.inverse().map(Expr::hold);
+                let momentum = self.momentum();
+                inverse.times(&momentum).dot(&momentum) / 2 + *potential
+            }
+            _ => self.energy(),
+        };
+        self.with_energy(Energy::Hamiltonian(energy))
+    }
+
     /// The fields' symbols.
     pub fn field_symbols(&self) -> Vec<Symbol> {
         self.parameters.iter().flat_map(|field| field.symbols.iter().copied()).collect()

@@ -486,7 +486,7 @@ fn method(input: ParseStream<'_>, known: &[&'static Method]) -> syn::Result<Rule
     let named = known.iter().find_map(|method| method.named(&text));
     match known.iter().find(|method| name == method.name) {
         Some(method) if named.is_none() || input.peek(token::Paren) => {
-            return member(input, &name).map(|member| method.member(member));
+            return parameter(input, &name, method);
         }
         _ => {}
     }
@@ -505,7 +505,10 @@ fn method(input: ParseStream<'_>, known: &[&'static Method]) -> syn::Result<Rule
             }
             None if guess.ends_with('?') => format!("there is no method `{name}`{guess}"),
             None => {
-                let families = known.iter().map(|method| format!("{}(numerator, denominator)", method.name));
+                let families = known.iter().map(|method| match method.orders {
+                    [] => format!("{}(numerator, denominator)", method.name),
+                    _ => format!("{}(order)", method.name),
+                });
                 let all = list(names.iter().map(|&name| name.to_owned()).chain(families));
                 format!("there is no method `{name}`; there are {all}")
             }
@@ -514,14 +517,29 @@ fn method(input: ParseStream<'_>, known: &[&'static Method]) -> syn::Result<Rule
     })
 }
 
-/// `(1, 4)`
-fn member(input: ParseStream<'_>, name: &Ident) -> syn::Result<Member> {
+/// `(1, 4)` or `(6)`
+fn parameter(input: ParseStream<'_>, name: &Ident, method: &'static Method) -> syn::Result<Rule> {
+    if !method.orders.is_empty() {
+        let read = || {
+            let content;
+            parenthesized!(content in input);
+            let order: LitInt = content.parse()?;
+            let order: u32 = order.base10_parse()?;
+            method.orders.contains(&order).then(|| method.of_order(order)).ok_or_else(|| content.error(""))
+        };
+        let orders = list(method.orders.iter().map(u32::to_string));
+        return read().map_err(|_| {
+            let message = format!("`{name}` takes the order of the step: `{name}(6)`; there are {orders}");
+            syn::Error::new_spanned(name, message)
+        });
+    }
     let content;
     parenthesized!(content in input);
     let numerator: LitInt = content.parse()?;
     content.parse::<Token![,]>()?;
     let denominator: LitInt = content.parse()?;
-    Member::new(numerator.base10_parse()?, denominator.base10_parse()?).ok_or_else(|| {
+    let member = Member::new(numerator.base10_parse()?, denominator.base10_parse()?);
+    member.map(|member| method.member(member)).ok_or_else(|| {
         let message =
             format!("the parameter s of a method is a fraction between 0 and 1: `{name}(1, 4)` is s = 1/4");
         syn::Error::new_spanned(name, message)

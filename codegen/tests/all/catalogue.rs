@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use coadjoint_codegen::emit::{Expansion, StepExpansion};
 use coadjoint_codegen::expand;
 use coadjoint_codegen::program::Function;
-use coadjoint_codegen::scheme::{Rule, Scheme};
+use coadjoint_codegen::scheme::{Parameter, Scheme};
 use proc_macro2::{TokenStream, TokenTree};
 use quote::quote;
 
@@ -67,11 +67,13 @@ fn size(tokens: TokenStream) -> String {
 }
 
 fn name(Scheme { rule, retraction }: &Scheme) -> String {
-    let Rule { method, member } = rule;
-    let name = match rule.name() {
-        _ if method.name != "Family" => format!("{}({member:?})", method.name),
-        Some(name) => name.to_owned(),
-        None => format!("Family{}Over{}", member.numerator, member.denominator),
+    let name = match (rule.name(), rule.parameter) {
+        (Some(name), _) if rule.method.name == "Family" => name.to_owned(),
+        (_, Parameter::Share(member)) if rule.method.name == "Family" => {
+            format!("Family{}Over{}", member.numerator, member.denominator)
+        }
+        (_, Parameter::Share(member)) => format!("{}({member:?})", rule.method.name),
+        (_, Parameter::Order(order)) => format!("{}({order})", rule.method.name),
     };
     format!("{name}<{retraction:?}>")
 }

@@ -51,7 +51,7 @@ impl<'a> ReferenceStep<'a> {
                 self.family(map, f64::from(numerator) / f64::from(denominator), step);
                 true
             }
-            Rule::TangentLift(..) => false,
+            Rule::TangentLift(..) | Rule::HamiltonJacobi(_) => false,
         })
     }
 

@@ -2,7 +2,7 @@
 //! iterate waits for a division.
 
 use super::constants::{FAR, ITERATIONS, QUICK, SHARP, STRONG, TOLERANCE};
-use super::memory::{Memory, rate};
+use super::memory::{Memory, rate, tolerance};
 use super::{Solution, SolutionOf, count, go_on};
 use crate::kernel::{AtState, Kernel};
 use crate::scalar::blocks::{change, is_within};
@@ -49,6 +49,7 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
         } else {
             let is_sharp = again & T::of(SHARP * T::EPSILON).lt(last);
             sharp = [T::select(is_sharp, last, sharp[0]), T::select(is_sharp, now, sharp[1])];
+            let most = if const { K::IS_CHORD } { tolerance(rate(sharp, true), true) } else { most };
             again & (now.le(least) | (now.le(most) & sharp[1].le(T::of(QUICK) * sharp[0])))
         };
         solved = solved | is_last;
@@ -60,6 +61,6 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
         }
         last = now;
     };
-    let rate = rate(sharp);
+    let rate = rate(sharp, K::IS_CHORD);
     Solution { point, unknown, evaluation, solved, iterations, residual: rate * residual, rate }
 }

@@ -20,7 +20,9 @@ use crate::legendre::LegendreError;
 use crate::method::{AdjointPair, Method};
 use crate::retraction::{Cayley, Exponential, RetractionKind, SecondKind};
 use crate::scalar::{Batch, Components, Real, Scalar};
-use crate::scheme::{Base, Family, Rule, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift};
+use crate::scheme::{
+    Base, Family, HamiltonJacobi, Rule, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift,
+};
 use crate::solve::step::OneStep;
 pub use description::Description;
 pub use dynamics::Dynamics;
@@ -431,6 +433,11 @@ where
 impl<S: Generated<TangentLift<R, N, D>>, R, const N: u32, const D: u32> Discretized<TangentLift<R, N, D>>
     for S
 {
+    type Method<T: Batch> = OneStep<T, S::Kernel<T>>;
+}
+
+#[diagnostic::do_not_recommend]
+impl<S: Generated<HamiltonJacobi<R, P>>, R, const P: u32> Discretized<HamiltonJacobi<R, P>> for S {
     type Method<T: Batch> = OneStep<T, S::Kernel<T>>;
 }
 

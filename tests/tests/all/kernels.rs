@@ -126,6 +126,7 @@ impl RandomStep {
             unknown: Vector(unknown),
             blocks: vec![self.unknowns],
             start: Vector(start),
+            iteration: coadjoint_codegen::method::Iteration::FixedPoint,
             coarse_residual: &Vector(left.clone()) - &Vector(right.to_vec()),
             left: Vector(left),
             right: Vector(right.to_vec()),

@@ -7,6 +7,7 @@ mod composition;
 mod errors;
 mod expressions;
 mod groups;
+mod hamilton_jacobi;
 // as reachable as the root: some lints that users deny ask for that
 pub mod hygiene;
 mod invariants;

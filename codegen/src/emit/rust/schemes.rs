@@ -1,26 +1,32 @@
 //! Which steps there are: the types that stand for them, and how they are chosen from while a program runs.
 
 use proc_macro2::{Literal, TokenStream};
-use quote::{format_ident, quote};
+use quote::{ToTokens, format_ident, quote};
 
 use super::functions::block;
 use super::names::Names;
 use crate::program::StepProgram;
-use crate::scheme::{Member, Scheme};
+use crate::scheme::{Member, Parameter, Scheme};
 
 /// The type that stands for a scheme: `Family<Cayley, 0, 1>`.
 pub(super) fn marker(names: &Names, scheme: Scheme) -> TokenStream {
     let Names { private, coadjoint, .. } = names;
     let Scheme { retraction, rule } = scheme;
     let [method, retraction] = [rule.method.name, retraction.name()].map(|name| format_ident!("{name}"));
-    let s = fraction(rule.member);
+    let s = parameter(rule.parameter);
     quote! { #private::#method<#coadjoint::#retraction, #s> }
 }
 
-/// `1, 4`
-fn fraction(Member { numerator, denominator }: Member) -> TokenStream {
-    let [numerator, denominator] = [numerator, denominator].map(Literal::u32_unsuffixed);
-    quote! { #numerator, #denominator }
+/// `1, 4` or `6`
+fn parameter(parameter: Parameter) -> TokenStream {
+    let literal = Literal::u32_unsuffixed;
+    match parameter {
+        Parameter::Share(Member { numerator, denominator }) => {
+            let [numerator, denominator] = [numerator, denominator].map(literal);
+            quote! { #numerator, #denominator }
+        }
+        Parameter::Order(order) => literal(order).into_token_stream(),
+    }
 }
 
 /// `impl Schemes for HeavyTop { … }`: shows a visitor the type of the step that is asked for.
@@ -49,7 +55,7 @@ pub(super) fn schemes(names: &Names, steps: &[StepProgram]) -> TokenStream {
         let patterns = named(step).into_iter().map(|scheme| {
             let Scheme { retraction, rule } = scheme;
             let [map, named] = [retraction.name(), rule.method.rule].map(|name| format_ident!("{name}"));
-            let s = fraction(rule.member);
+            let s = parameter(rule.parameter);
             quote! { (#private::RetractionKind::#map, #private::Rule::#named(#s)) }
         });
         quote! { #(#patterns)|* }

@@ -1,0 +1,227 @@
+//! Steps of any even order from one equation: the Hamilton–Jacobi equation solved as a power series in the step.
+//!
+//! The step is that of the [family](super::family) with `s = ½`, where advected parameters are part of the
+//! configuration:
+//!
+//! ```text
+//! ḡ = g_k τ(η/2),   m⁻ = Ad*_{τ(−η/2)⁻¹} m_k
+//! m⁺ = m⁻ + κ
+//! m̄ = ½ (dR τ_{η/2})* m⁺ + ½ (dL τ_{−η/2})* m_k
+//! m_{k+1} = Ad*_{τ(η/2)} m⁺,   g_{k+1} = ḡ τ(η/2)
+//! ```
+//!
+//! with `η` and `κ` from a generating function: they are `∂S/∂m̄` and `−∂S/∂g` of a function `S(ḡ, m̄, t)`, or `m̄` and
+//! `κ` are `∂R/∂η` and `∂R/∂g` of `R(ḡ, η, t)`. Whatever the function is, the step is symplectic, and keeps Casimirs; it is
+//! symmetric if the function is odd in `t`, `R` at constant `η/t`. `S = t h` is the midpoint step. The motion itself has
+//! Hamilton's principal function
+//!
+//! ```text
+//! R = ∫ ⟨μ, ξ⟩ − h dτ,   S = ⟨m̄, η⟩ − R
+//! ```
+//!
+//! along the motion from `ḡ τ(−η/2)` to `ḡ τ(η/2)` in the time `t`, which solves the Hamilton–Jacobi equation
+//! `∂S/∂t = h`. Cut behind `t^{p−1}`, it makes a step of order `p`.
+//!
+//! * With an inertia or a Hamiltonian it is [`S`](momentum) that is derived: its argument is the momentum.
+//! * With a Lagrangian it is `R`, and so it is where forces act: what is left of it then are its
+//!   [derivatives](velocity), with which the step is symmetric and of order `p`, and not symplectic, as the motion is not.
+//!
+//! Ge and Marsden, Phys. Lett. A 133 (1988) 134; Ferraro, de León, Marrero, Martín de Diego and Vaquero,
+//! arXiv:1606.00847.
+
+mod momentum;
+mod path;
+mod velocity;
+
+use super::discretization::{Discretization, Path, values};
+use super::names::symbols;
+use super::presolve::{Equation, presolve_only};
+use super::step::{Iteration, Step};
+use crate::expr::{Arena, Expr, Vector};
+use crate::group::Retraction;
+use crate::model::{Energy, Parts, Relation, System};
+use crate::scheme::{Member, Method};
+
+/// Hamilton–Jacobi steps.
+pub const METHOD: Method = Method {
+    name: "HamiltonJacobi",
+    rule: "HamiltonJacobi",
+    orders: &[4, 6, 8, 10],
+    named: &[],
+    bare: None,
+    needs_momentum: None,
+};
+
+/// The order of the step that Newton's matrix is taken from where it has a few rows: terms of higher order change it by
+/// little. A larger one is that of the midpoint step.
+const COARSE: usize = 4;
+
+/// The most rows of a matrix that is evaluated at each iterate.
+const FEW: usize = 3;
+
+/// The derivatives of a generating function, functions of the state's symbols, which stand for what is in the middle of
+/// the step, and of the step.
+enum Derivatives<'a> {
+    /// Of one of the momentum: `η/t` and, if there is any, `κ/t`.
+    OfMomentum { velocity: Vector<'a>, kick: Option<Vector<'a>> },
+    /// Of one of the velocity: `m̄` where the step is nothing, what it is more, and, if there is any, `κ/t`.
+    OfVelocity { momentum: Vector<'a>, correction: Option<Vector<'a>>, kick: Option<Vector<'a>> },
+}
+
+/// Whether there are steps of a system: with the velocity held fixed there has to be a momentum for it in closed form.
+pub fn is_for(system: &System<'_>) -> bool {
+    !by_velocity(system) || matches!(system.momentum_relation(), Relation::Explicit(_))
+}
+
+/// Whether the generating function is that of the velocity.
+fn by_velocity(system: &System<'_>) -> bool {
+    matches!(system.energy, Energy::Lagrangian(_)) || system.is_forced()
+}
+
+/// The step of this order.
+pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, order: u32) -> Step<'a> {
+    let is_velocity = by_velocity(system);
+    let has_kick = !system.is_left_invariant() || system.advected().next().is_some();
+    // with the exponential all members of the family are one where nothing kicks
+    let is_first = retraction == Retraction::Exponential && !has_kick;
+    let member = if is_first { Member::SYMPLECTIC_EULER_A } else { Member::MIDPOINT };
+    let step_of = |order: usize, left: Option<&[String]>| {
+        let discretization = Discretization::new(arena, system, retraction, member);
+        let derivatives = match is_velocity {
+            true => velocity::derivatives(&discretization, order),
+            false => momentum::derivatives(&discretization, order),
+        };
+        HamiltonJacobi(discretization).step(derivatives, left)
+    };
+    let (mut whole, left) = step_of(order as usize, None);
+    let is_small = whole.unknown.len() <= FEW;
+    whole.take_coarse_residual(step_of(if is_small { COARSE } else { 2 }, Some(&left)).0);
+    whole.coarse_residual = whole.coarse_residual.map(Expr::with_short_stumpff);
+    whole.iteration = if is_small { Iteration::Newton } else { Iteration::Chord };
+    whole
+}
+
+/// A step of a system.
+struct HamiltonJacobi<'s, 'a>(Discretization<'s, 'a>);
+
+impl<'a> HamiltonJacobi<'_, 'a> {
+    /// The step, and the names of the unknowns that are left in it: these are to be left if they are given.
+    fn step(&self, derivatives: Derivatives<'a>, left: Option<&[String]>) -> (Step<'a>, Vec<String>) {
+        let Discretization { system, names, moving, carrying, step, early, late } = &self.0;
+        let (arena, group) = (step.arena(), &system.group);
+        let (x, mean) = (symbols(arena, names.unknown()), symbols(arena, names.components("mu")));
+        let y = names.times_scale(&x);
+        let (y_early, y_late) = (y.scale(*early), y.scale(*late));
+        let sign = arena.number(system.side.sign());
+        let (x_early, x_late) = (y_early.scale(sign), y_late.scale(sign));
+
+        // to the middle
+        let increment = names.group("increment_early", &group.retract(moving.before, &y_early).hold());
+        let g_bar = group.compose(system.side, &system.configuration(), &increment).hold();
+        let g_bar = names.configuration("mean", &g_bar);
+        let a_bar = group.carry(carrying.before, &x_early, &system.advected_values());
+        let a_bar: Vec<_> = a_bar.iter().map(Vector::hold).collect();
+        let mean_minus = self.carried_dual(carrying.before, &x_early, &system.momentum());
+        let m_minus = self.carried(carrying.before, &x_early, &system.momentum(), &mean_minus);
+
+        let velocity = y.scale(step.recip());
+        let mut there = values(system, &g_bar, &velocity, &a_bar, *step * *early);
+        if let Derivatives::OfMomentum { .. } = derivatives {
+            super::discretization::bind(&mut there, &system.momentum(), &mean);
+        }
+        let at_middle = |vector: &Vector<'a>| vector.substitute(&there);
+        let (Derivatives::OfMomentum { kick, .. } | Derivatives::OfVelocity { kick, .. }) = &derivatives;
+
+        // and on
+        let m_plus = match kick {
+            Some(kick) => {
+                let kick = names.algebra("kick", &at_middle(kick).scale(*step).hold());
+                self.kicked(&m_minus, &kick)
+            }
+            None => m_minus,
+        };
+        let mean_plus = self.carried_dual(carrying.behind, &x_late, &m_plus);
+        let m_bar = &mean_plus.scale(*late) + &mean_minus.scale(*early);
+        let m_next = self.carried(carrying.behind, &x_late, &m_plus, &mean_plus);
+        let a_next = group.carry(carrying.behind, &x_late, &a_bar);
+        let moved = group.moved(system.side, moving.behind, &g_bar, &y_late);
+        let scaled_mean = names.times_scale(&m_bar).hold();
+
+        let equations = match &derivatives {
+            Derivatives::OfMomentum { velocity, .. } => {
+                let mean_right = names.per_scale(&scaled_mean);
+                let mean = self.0.explicit(&mean, mean_right, system.momentum());
+                let mean = Equation { names: names.components("mu"), ..mean };
+                let velocity = names.per_scale(&at_middle(velocity).scale(*step));
+                vec![mean, self.0.explicit(&x, velocity, names.per_scale(&self.0.start()))]
+            }
+            Derivatives::OfVelocity { momentum, correction, .. } => {
+                let right = match correction {
+                    Some(correction) => {
+                        let correction = names.algebra("correction", &at_middle(correction).hold());
+                        &scaled_mean - &names.times_scale(&correction)
+                    }
+                    None => scaled_mean.clone(),
+                };
+                vec![self.equation(&x, &at_middle(momentum), right)]
+            }
+        };
+        names.group("increment", &moved.increment);
+        names.configuration("moved", &moved.moved);
+        names.squares(&x);
+        names.multiple_of("momentum_mean", &scaled_mean);
+        names.algebra("momentum_next", &m_next);
+        names.advected("mean", &a_bar);
+        names.advected("next", &a_next);
+        let next = Parts { configuration: moved.next, momentum: m_next, advected: a_next };
+        let presolved = presolve_only(equations, left);
+        let left = presolved.equations.iter().flat_map(|equation| equation.names.clone()).collect();
+        (self.0.lifted(presolved, &Path { middle: g_bar, y }, &next), left)
+    }
+
+    /// `(dR τ_x)* m`, on the group alone.
+    fn carried_dual(&self, retraction: Retraction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+        let [x, m] = [x, m].map(|base| self.0.on_the_group(base));
+        self.0.names.keep_multiple(&self.0.system.group.d_right_dual(retraction, &x, &m)).base
+    }
+
+    /// `Ad*_{τ(x)} m`, on the group alone, with `mean = (dR τ_x)* m`.
+    fn carried(
+        &self,
+        retraction: Retraction,
+        x: &Vector<'a>,
+        m: &Vector<'a>,
+        mean: &Vector<'a>,
+    ) -> Vector<'a> {
+        let [x, m, mean] = [x, m, mean].map(|base| self.0.on_the_group(base));
+        self.0.system.group.carry_momentum(retraction, &x, &m, &mean).base
+    }
+
+    /// `m⁺` from `m⁻`; what nothing kicks stays as it is.
+    fn kicked(&self, momentum: &Vector<'a>, kick: &Vector<'a>) -> Vector<'a> {
+        let names = self.0.names.components("momentum_kicked");
+        let rows = momentum.iter().zip(kick.iter()).zip(names);
+        let kicked = rows.map(|((m, kick), name)| match kick.is_zero() {
+            true => m,
+            false => (m + kick).hold().named(name),
+        });
+        Vector(kicked.collect())
+    }
+
+    /// `m̄(η) = …`, both sides times the unknown's scale.
+    fn equation(&self, x: &Vector<'a>, momentum: &Vector<'a>, right: Vector<'a>) -> Equation<'a> {
+        let Discretization { system, names, step, .. } = &self.0;
+        let solved = match &system.energy {
+            Energy::Mechanical { inertia, .. } => {
+                let y = inertia.solve_symmetric(&names.per_scale(&right)).scale(*step);
+                Some(names.per_scale(&y))
+            }
+            _ => None,
+        };
+        Equation {
+            left: names.times_scale(momentum),
+            solved,
+            ..self.0.explicit(x, right, names.per_scale(&self.0.start()))
+        }
+    }
+}
