@@ -61,6 +61,7 @@ extern crate self as coadjoint;
 mod bytecode;
 #[cfg(feature = "std")]
 pub mod certify;
+mod clamp;
 #[cfg(feature = "std")]
 mod compensated;
 pub mod composition;
@@ -245,6 +246,7 @@ pub mod __private {
     pub use crate::__copied as copied;
     pub use crate::__serialization as serialization;
     pub use crate::Spline;
+    pub use crate::clamp::Clamp;
     pub use crate::derivative::{
         Derives, Differentiable, Entry, Linearized, LinearizedSchemes, LinearizedVisitor, add_product,
     };

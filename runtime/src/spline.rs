@@ -36,8 +36,8 @@ use nalgebra::{RealField, convert};
 /// four across a knot. Its coefficients are computed when the stepper is built. An evaluation chooses them by comparisons, of which there are five
 /// for each value of the table: for tables as long as arrays may be, and no longer ones.
 pub trait Spline<T> {
-    /// The value at `x` of the curve through these values, at equal distances from `from` to `to`; on straight lines before and behind. What is no
-    /// number, or infinite, if `from` is `to`.
+    /// The value at `x` of the curve through these values, at equal distances from `from` to `to`, which may be the lesser; on straight lines before
+    /// and behind. What is no number, or infinite, if `from` is `to`: a step that needs it fails, as one whose state is not finite.
     fn spline(&self, from: T, to: T, x: T) -> T;
 }
 
@@ -109,5 +109,10 @@ mod tests {
         // by hand: m₁ = 6 (0 − 2 + 0)/4 = −3
         assert!(([0.0_f64, 1.0, 0.0].spline(0.0, 2.0, 0.5) - (0.5 * 1.5 - 0.125 * 0.5)).abs() < 1e-15);
         assert!([0.0_f64, 1.0].spline(1.0, 1.0, 0.5).is_infinite());
+        // backwards
+        let (table, turned) = ([0.0_f64, 1.0, -0.5, 2.0], [2.0_f64, -0.5, 1.0, 0.0]);
+        for x in [-1.0, 0.0, 0.3, 1.0, 1.7, 2.0, 3.5] {
+            assert!((table.spline(2.0, 0.0, x) - turned.spline(0.0, 2.0, x)).abs() < 1e-14, "{x}");
+        }
     }
 }

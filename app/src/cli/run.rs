@@ -152,7 +152,8 @@ fn described(
     }
     let format = Some(arguments.format.or(config.format).unwrap_or(Format::Csv));
     let RunArguments { plot, watch_every_step: watch, checkpoint_every: pause, .. } = *arguments;
-    let (html, columns) = (arguments.html.clone(), arguments.columns.clone());
+    let html = arguments.html.clone();
+    let columns = if arguments.columns.is_empty() { config.columns } else { arguments.columns.clone() };
     let plan =
         Plan { every, columns, watch, format, plot, html, pause, ..planned(&motion, &arguments.chosen) };
     execute(motion.entry, plan, arguments.open, arguments.checkpoint.as_deref(), console)

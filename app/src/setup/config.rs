@@ -10,7 +10,7 @@ use serde::Deserialize;
 use toml::{Table, Value};
 
 use super::form::RotationForm;
-use super::{Changes, Format, Method, Names, Order, Retraction};
+use super::{Changes, Column, Format, Method, Names, Order, Retraction};
 use crate::catalogue::Entry;
 use crate::error::{Error, FileError, SetupError};
 
@@ -35,7 +35,7 @@ pub(crate) struct Config {
 }
 
 /// How to run a system.
-#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RunConfig {
     /// The map that the step is built on.
@@ -50,6 +50,9 @@ pub(crate) struct RunConfig {
     pub(crate) duration: Option<f64>,
     /// Write every so many steps.
     pub(crate) every: Option<u64>,
+    /// Further columns of the table.
+    #[serde(default)]
+    pub(crate) columns: Vec<Column>,
     /// The format of the trajectory.
     pub(crate) format: Option<Format>,
 }
@@ -154,6 +157,7 @@ order = 2                    # 2; 4, 6, 8 and 10 are composed of its steps
 {:28} # s; negative to go back in time
 {:28} # s
 every = 1                    # write the state after every so many steps
+columns = []                 # and beside it any of \"velocity\", \"euler\", \"rotvec\", \"mrp\", \"angle\"
 format = \"csv\"               # csv, json or parquet",
         format!("retraction = \"{}\"", Retraction::Exponential.or_first_of(entry).name()),
         Retraction::of(entry).iter().map(|retraction| retraction.name()).collect::<Vec<_>>().join(" or "),
@@ -230,6 +234,21 @@ mod tests {
             config.apply(path, &mut changes).expect("its own names");
             assert!(changes.setup().controls.iter().all(|control| *control == Some(0.0)), "{}", entry.name);
         }
+    }
+
+    #[test]
+    fn columns_have_the_names_of_the_command_line() {
+        let columns = |text: &str| {
+            let config: Result<Config, _> = toml::from_str(&format!("[run]\ncolumns = {text}"));
+            config.map(|config| config.run.columns).map_err(|error| error.to_string())
+        };
+        use clap::ValueEnum as _;
+        let names: Vec<String> = Column::value_variants().iter().map(|column| column.name()).collect();
+        assert_eq!(columns(&format!("{names:?}")), Ok(Column::value_variants().to_vec()));
+        let example = example(catalogue().find("heavy_top").expect("it is there"));
+        let told = example.lines().find(|line| line.starts_with("columns = []")).expect("it is told");
+        assert!(names.iter().all(|name| told.contains(&format!("\"{name}\""))), "{told}");
+        assert!(columns("[\"speed\"]").expect_err("unknown").contains("unknown variant `speed`"));
     }
 
     #[test]

@@ -95,7 +95,7 @@ fn a_member_that_cannot_be_is_named() {
     assert!(scratch.files("out").is_empty());
 }
 
-/// Threads that cannot be had are an error: here, by a bound on the memory that they would lie in.
+/// Threads that cannot be had are an error: here, by a bound on the memory that they would lie in. There are few, and large ones.
 #[test]
 #[cfg(target_os = "linux")]
 fn threads_that_cannot_be_had_are_an_error() {
@@ -106,17 +106,12 @@ fn threads_that_cannot_be_had_are_an_error() {
     let output = std::process::Command::new("sh")
         .args(["-c", &script])
         .current_dir(&scratch.0)
-        .env("RAYON_NUM_THREADS", "4000")
-        // a few large ones: threads that had just been started would lack the last few pages themselves, now and then
+        .env("RAYON_NUM_THREADS", "8")
         .env("RUST_MIN_STACK", "300000000")
         .output()
         .expect("starts");
     let message = text(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{message}");
-    assert!(message.contains("threads cannot be started (RAYON_NUM_THREADS=4000)"), "{message}");
+    assert!(message.contains("threads cannot be started (RAYON_NUM_THREADS=8)"), "{message}");
     assert!(!message.contains("panicked"), "{message}");
-    let mut many = scratch.command(&["ensemble", "heavy_top", "--members", "4", "--duration", "1"]);
-    let output = many.env("RAYON_NUM_THREADS", "100000000").output().expect("starts");
-    assert!(text(&output.stderr).contains("at most 4096 can be asked for"), "{}", text(&output.stderr));
-    assert_eq!(output.status.code(), Some(2));
 }

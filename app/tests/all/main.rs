@@ -11,6 +11,8 @@
 mod drawn;
 mod ensembles;
 mod files;
+#[cfg(target_os = "linux")]
+mod injected;
 mod layers;
 mod page;
 mod program;

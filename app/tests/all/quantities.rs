@@ -107,3 +107,28 @@ fn what_is_none_is_told_with_what_there_is() {
         assert!(error.contains(reason), "{quantity}: {error}");
     }
 }
+
+/// Columns may be chosen in a file; those of the command line come in their place.
+#[test]
+fn columns_of_a_file() {
+    let scratch = Scratch::new("columns");
+    scratch.write(
+        "run.toml",
+        b"system = \"heavy_top\"\n[run]\nduration = 0.1\ncolumns = [\"velocity\", \"mrp\"]\n",
+    );
+    let table = |arguments: &[&str], out: &str| {
+        scratch.prints(&[&["run"], arguments, &["--out", out]].concat());
+        scratch.read(&scratch.named(out, "heavy_top-", ".csv"))
+    };
+    let of_file = table(&["--config", "run.toml"], "file");
+    assert!(
+        of_file.starts_with("time,") && of_file.contains("velocity_x") && of_file.contains("attitude_mrp_x")
+    );
+    let of_line = |columns| ["heavy_top", "--duration", "0.1", "--columns", columns];
+    assert_eq!(of_file, table(&of_line("velocity,mrp"), "line"));
+    let both = table(&["--config", "run.toml", "--columns", "euler"], "both");
+    assert_eq!(both, table(&of_line("euler"), "euler"));
+    scratch.write("run.toml", b"system = \"heavy_top\"\n[run]\ncolumns = [\"speed\"]\n");
+    let message = scratch.fails(2, &["run", "--config", "run.toml"]);
+    assert!(message.contains("unknown variant `speed`, expected one of `velocity`"), "{message}");
+}

@@ -45,10 +45,10 @@ fn long<'a>(momentum: &'a str, rest: &[&'a str]) -> Vec<&'a str> {
 }
 
 /// Files of others, beside those of the runs and under names like theirs.
-struct Foreign(Vec<(PathBuf, Vec<u8>)>);
+pub(crate) struct Foreign(Vec<(PathBuf, Vec<u8>)>);
 
 impl Foreign {
-    fn plant(scratch: &Scratch) -> Self {
+    pub(crate) fn plant(scratch: &Scratch) -> Self {
         let names = [
             "out/data.csv",
             "out/.x.coadjoint-tmp",
@@ -65,7 +65,7 @@ impl Foreign {
         Self(names.into_iter().map(plant).collect())
     }
 
-    fn check(&self) {
+    pub(crate) fn check(&self) {
         for (path, content) in &self.0 {
             assert!(fs::read(path).is_ok_and(|now| now == *content), "{} changed", path.display());
         }

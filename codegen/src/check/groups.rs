@@ -176,8 +176,9 @@ impl Resolved<'_> {
             None if guess.ends_with('?') => guess,
             None => {
                 let families = list(group::FAMILIES);
+                let near = near(&text).map_or(String::new(), |near| format!("; did you mean `{near}`?"));
                 format!(
-                    "{guess}; families: {families}; one of your own, which `lie_group!` defines, is written `{text}!`"
+                    "{near}{guess}; families: {families}; one of your own, which `lie_group!` defines, is written `{text}!`"
                 )
             }
         };
@@ -276,6 +277,17 @@ impl Resolved<'_> {
             Err(LinearError::TooLarge) => self.diagnostics.fail(keyword, BOUNDS),
         }
     }
+}
+
+/// The group of a family whose name was written without its first letters, or in small ones: `SU(2)` of `U2`, `SL(3)` of `sl3`.
+fn near(written: &str) -> Option<String> {
+    let stem = written.trim_end_matches(|letter: char| letter.is_ascii_digit());
+    let (size, folded) = (&written[stem.len()..], stem.to_lowercase());
+    let families = group::FAMILIES.into_iter().filter_map(|family| family.strip_suffix("(n)"));
+    let found = families.filter(|family| !folded.is_empty() && family.to_lowercase().ends_with(&folded));
+    found
+        .map(|family| format!("{family}({size})"))
+        .find(|name| group::family(&group::one_word(name)).is_some())
 }
 
 /// The space of this name on which a group acts.

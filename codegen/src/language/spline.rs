@@ -33,8 +33,8 @@ impl<'a> Lowering<'a, '_> {
             value.as_scalar(self.arena).or_else(|| self.fail(argument, message()))
         });
         let (from, to, x) = (from?, to?, x?);
-        if (to - from).as_number().is_some_and(|length| length.is_negative() || length.is_zero()) {
-            return self.fail(arguments[1], "the last knot lies beyond the first");
+        if (to - from).as_number().is_some_and(|length| length.is_zero()) {
+            return self.fail(arguments[1], "the last knot lies where the first one does");
         }
         let u = (x - from) * y.len().saturating_sub(1) as i64 / (to - from);
         let [start, c0, c1, c2, c3] = chosen(u, &pieces(&y), 0);

@@ -361,7 +361,7 @@ fn constructs() {
         "lengths.spline(0.0, 1.0, chi)",
         &[("chi", "`spline` takes numbers, but this is a vector of 3")],
     );
-    complains("lengths.spline(1.0, 1.0, a)", &[("1.0", "the last knot lies beyond the first")]);
+    complains("lengths.spline(1.0, 1.0, a)", &[("1.0", "the last knot lies where the first one does")]);
     complains(
         "spins.spline(0.0, 1.0, a)",
         &[("spline", "a spline goes through an array of two numbers or more")],

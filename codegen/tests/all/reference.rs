@@ -273,6 +273,8 @@ fn expressions() -> String {
          of `abs`, `min`, `max` and `clamp`, has the derivative of the branch that is taken there: of `x.abs()` that is 1 at zero. Both branches are \
          computed, and one is taken: what is no number in the other does no harm, nor does its derivative. A derivative that does not come from the \
          branch, as where `if x == 0.0 {{ 1.0 }} else {{ x.sin() / x }}` is 1, is not found. [Kinks and jumps](crate::guide::forces#kinks-and-jumps) cost order.\n\
+         * Where the limits of a `clamp` cross, as in `x.clamp(-limit, limit)` with a negative `limit`, it is the upper one, in a step as in the method that is emitted for your text. In a \
+         function of your own, which is Rust's too, it panics: there `x.max(lower).min(upper)` does not.\n\
          * A comparison with what is not a number counts as one that holds for `<=` and `>=`; `min` and `max` take the receiver then.\n\
          * What jumps at whole numbers is refused: {}, and remainders of numbers.\n\n",
         codes(CONSTRUCTORS),

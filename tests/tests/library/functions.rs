@@ -2,10 +2,10 @@
 // in a test, a panic is the report
 #![allow(clippy::unwrap_used)]
 
-use coadjoint::Ensemble;
 use coadjoint::certify::Certification;
 use coadjoint::derivative::{WrtParameters, WrtState};
 use coadjoint::prelude::*;
+use coadjoint::{Ensemble, StepError};
 
 mod air {
     use coadjoint::expression;
@@ -157,6 +157,24 @@ fn tables_are_splines() {
     let states = [0.31, -0.67, 1.1].map(at);
     let report = Certification::new(&bead).states(&states).time(0.2).run::<Midpoint>().unwrap();
     assert!(report.passed(), "{report}");
+}
+
+/// A table that is read from its end gives what it gives turned round; one without length, an error, and the state stays.
+#[test]
+fn a_table_has_a_length() {
+    let start = BeadState { position: vector![0.3], momentum: vector![0.7] };
+    let step = |length: f64, turned: bool| {
+        let (mut bead, mut state) = (Bead { length, ..bead() }, start);
+        if turned {
+            bead.height.reverse();
+        }
+        let stepped = bead.stepper::<Exponential>(0.01).unwrap().step(&mut state);
+        stepped.map(|_| state).map_err(|error| (error, state))
+    };
+    let (forward, backward) = (step(1.4, false).unwrap(), step(-1.4, true).unwrap());
+    assert!((forward.momentum - backward.momentum).norm() < 1e-14);
+    assert!((forward.momentum - start.momentum).norm() > 1e-3);
+    assert_eq!(step(0.0, false).unwrap_err(), (StepError::NotFinite, start));
 }
 
 #[test]

@@ -22,6 +22,17 @@ struct Servo {
     limit: f64,
 }
 
+/// Limits that cross: the upper one, in a step and in the method of the text.
+#[test]
+fn limits_that_cross() {
+    let servo = Servo { mass: 2.0, stiffness: 3.0, limit: -0.5 };
+    let mut state = ServoState { position: vector![0.1], momentum: vector![0.0] };
+    assert_eq!(servo.force(&state), vector![-0.5]);
+    let mut stepper = servo.stepper::<Exponential>(0.01).unwrap();
+    (0..100).for_each(|_| _ = stepper.step(&mut state).unwrap());
+    assert!((state.momentum.x + 0.5).abs() < 1e-14, "{}", state.momentum.x);
+}
+
 /// A mass that a wall pushes back.
 #[lie_poisson_system(
     group = R1,

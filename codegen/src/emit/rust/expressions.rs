@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use proc_macro2::{Ident, Span, TokenStream, TokenTree};
+use proc_macro2::{Group, Ident, Span, TokenStream, TokenTree};
 use quote::{ToTokens, format_ident, quote};
 
 use super::code::size;
@@ -141,8 +141,10 @@ fn method(system: &System<'_>, interface: &Interface, names: &Names, method: Met
     let value = syn::Stmt::Expr(expression.clone(), None);
     let tables = mentioned(expression.to_token_stream(), "spline")
         .map(|_| quote! { #[allow(unused_imports)] use #private::Spline as _; });
+    let limits = mentioned(expression.to_token_stream(), "clamp")
+        .map(|_| quote! { #[allow(unused_imports)] use #private::Clamp as _; });
     let value = if has_meaning {
-        quote! { #value }
+        clamped(quote! { #value })
     } else {
         quote! { loop {} }
     };
@@ -154,6 +156,7 @@ fn method(system: &System<'_>, interface: &Interface, names: &Names, method: Met
             #[allow(unused_imports)]
             use #private::nalgebra::{ComplexField as _, RealField as _};
             #tables
+            #limits
             #velocity
             #velocities
             #state_parts
@@ -163,6 +166,33 @@ fn method(system: &System<'_>, interface: &Interface, names: &Names, method: Met
             #value
         }
     }
+}
+
+/// An expression with the runtime's `__clamp` for `x.clamp(…)` and `f64::clamp(x, …)`, which panics where limits cross.
+fn clamped(tokens: TokenStream) -> TokenStream {
+    let mut before: [Option<TokenTree>; 3] = Default::default();
+    let renamed = tokens.into_iter().map(|token| {
+        let is = |token: &Option<TokenTree>, texts: &[&str]| {
+            token.as_ref().is_some_and(|token| texts.contains(&token.to_string().as_str()))
+        };
+        let is_numbers = is(&before[2], &["."])
+            || is(&before[2], &[":"]) && is(&before[1], &[":"]) && is(&before[0], &["f64", "f32"]);
+        let token = match token {
+            TokenTree::Ident(name) if name == "clamp" && is_numbers => {
+                Ident::new("__clamp", name.span()).into()
+            }
+            TokenTree::Group(group) => {
+                let mut inner = Group::new(group.delimiter(), clamped(group.stream()));
+                inner.set_span(group.span());
+                inner.into()
+            }
+            token => token,
+        };
+        before.rotate_left(1);
+        before[2] = Some(token.clone());
+        token
+    });
+    renamed.collect()
 }
 
 /// Variables for the fields of a struct, of an array one, that are named.

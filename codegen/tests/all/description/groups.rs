@@ -91,6 +91,20 @@ fn bases_of_groups() {
     let known = "there is no group `Banana`; known: `R1`, `R2`, `R3`, `R4`, `R5`, `R6`, `SO2`, `SO3`, `SE2`, `SE3` and `SU2`; \
         families: `SO(n)`, `SL(n)`, `GL(n)`, `SP(2n)`";
     breaks("group = Banana", body, &[("Banana", known)]);
+    for (written, word, near) in
+        [("U(2)", "U", "SU(2)"), ("U3", "U3", "SU(3)"), ("O(3)", "O", "SO(3)"), ("sl(2)", "sl", "SL(2)")]
+    {
+        let name = written.replace(['(', ')'], "");
+        let message = format!(
+            "there is no group `{name}`; did you mean `{near}`?; known: `R1`, `R2`, `R3`, `R4`, `R5`"
+        );
+        breaks(&format!("group = {written}"), body, &[(word, &message)]);
+    }
+    // of no family, and of a size that none has
+    for name in ["S4", "U9"] {
+        let message = format!("there is no group `{name}`; known: `R1`");
+        breaks(&format!("group = {name}"), body, &[(name, &message)]);
+    }
 }
 
 /// What is asked for is never made before it is known to be small.

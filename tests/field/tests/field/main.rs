@@ -1,6 +1,6 @@
 //! Motions on which steps were once given up, or silently wrong, although their equations have plain solutions: where
 //! terms cancel, where nothing moves any more, where a conserved momentum is zero, and where a force is smooth though
-//! its parts are not. One file for each kind.
+//! its parts are not. One file for each kind, and one of ends that others report.
 //!
 //! Right values are closed formulas, conservation laws, or, where there is a number with eight digits, integrations by
 //! Dormand and Prince's method of order 8 with a relative tolerance of 1e-13, of equations of motion that were written
@@ -12,6 +12,7 @@ mod far;
 mod jacobians;
 mod large;
 mod released;
+mod reported;
 mod runs;
 mod settled;
 mod springs;
