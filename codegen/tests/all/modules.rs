@@ -20,8 +20,8 @@ const USES: &[(&str, &[&str])] = &[
     ("lie_group", &["check", "diagnostics", "limits", "parse"]),
     ("language", &["diagnostics", "expr", "group", "limits", "parse", "quantity"]),
     ("model", &["check", "diagnostics", "expr", "group", "identifiers", "language", "parse", "quantity"]),
-    ("feasible", &["check", "diagnostics", "expr", "limits", "method", "model", "parse"]),
     ("method", &["expr", "group", "model", "scheme"]),
+    ("feasible", &["check", "diagnostics", "expr", "limits", "method", "model", "parse"]),
     ("program", &["expr", "quantity", "scheme"]),
     ("kernel", &["expr", "method", "model", "program", "scheme"]),
     (

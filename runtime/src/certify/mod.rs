@@ -37,7 +37,7 @@
 //! | energy drift | drift by linear fit, as a part of the error's range, over a thousand steps, or four, sixteen or sixty-four thousand | ≤ ½ |
 //! | energy order | slope of the energy's error | claimed order less ½ |
 //! | reversibility | distance from the start after a step and one back, and after twenty and twenty back | ≤ 1e-13 |
-//! | Newton correction | difference from the one with a differenced Jacobian | ≤ 1e-6 |
+//! | Newton correction | difference from the one with a differenced Jacobian | ≤ 1e-6, but for Hamilton–Jacobi steps |
 //! | definition | distance from a step that knows no closed form | ≤ 1e-10 |
 //! | warm steps | distance of steps along 2,500, by one stepper, from those of equations solved in twice the digits | ≤ 8 |
 //! | restarts | the same from new states | ≤ 8 |

@@ -8,6 +8,7 @@ mod ensemble;
 mod erased;
 mod faulty;
 mod functions;
+mod hamilton_jacobi;
 mod kinks;
 mod laws;
 mod map;
