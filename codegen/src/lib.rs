@@ -175,7 +175,8 @@ fn schemes(system: &System<'_>, attribute: &Attribute) -> Vec<(Scheme, Vec<Schem
     rules.dedup();
     let retractions = retractions(system, &attribute.retractions);
     let of = |&retraction: &Retraction| rules.iter().map(move |&rule| Scheme { retraction, rule });
-    let all: Vec<Scheme> = retractions.iter().flat_map(of).collect();
+    let is_made = |scheme: &Scheme| scheme.retraction.is_equivariant() || !scheme.rule.is_of_order();
+    let all: Vec<Scheme> = retractions.iter().flat_map(of).filter(is_made).collect();
     let original = |scheme: &Scheme| scheme.original(system, retractions[0]);
     let (originals, aliases): (Vec<Scheme>, Vec<Scheme>) =
         all.into_iter().partition(|scheme| original(scheme) == *scheme);

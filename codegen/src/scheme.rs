@@ -58,6 +58,11 @@ pub struct Rule {
 }
 
 impl Rule {
+    /// Whether its parameter is an order: a derivation by power series, for retractions that are functions of one matrix.
+    pub fn is_of_order(self) -> bool {
+        matches!(self.parameter, Parameter::Order(_))
+    }
+
     /// Its name, if it has one.
     pub fn name(self) -> Option<&'static str> {
         let mut named = self.method.named.iter();

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 /// Invariants: the energy `H`, the Casimir `|Π|²`, and the angular momentum in space, `RΠ`.
 #[lie_poisson_system(
     group = SO3,
-    methods(Midpoint, Family(1, 4), TangentLift, TangentMidpoint),
+    methods(Midpoint, Family(1, 4), TangentLift, TangentMidpoint, HamiltonJacobi(6)),
     retractions(Exponential, Cayley, SecondKind),
     units(momentum = "kg m²/s"),
 )]
