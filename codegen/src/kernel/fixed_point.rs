@@ -1,7 +1,7 @@
 //! The update of the fixed-point iteration on a step's equation `L x = right(x)`.
 
 use crate::expr::{Expr, Matrix, Stage, Vector};
-use crate::method::{Iteration, Step};
+use crate::method::Step;
 
 /// `L⁻¹`, where the left side is linear in the unknown with coefficients that depend on parameters and step alone: it
 /// is then computed once, when the stepper is built.
@@ -26,14 +26,13 @@ pub(super) fn update<'a>(step: &Step<'a>, right: &Vector<'a>) -> Option<Vector<'
     Some(cleared_update(step, &inverse).unwrap_or_else(|| inverse.map(Expr::hold).times(right)))
 }
 
-/// The next iterate of the simplified Newton iteration, `x − M⁻¹ (left(x) − right)`.
-pub(super) fn simplified_newton<'a>(step: &Step<'a>, right: &Vector<'a>) -> Vector<'a> {
-    let unknown = step.unknown.symbols();
-    let start: Vec<_> = unknown.iter().copied().zip(step.start.iter()).collect();
-    let matrix = step.coarse_residual.jacobian(&unknown).map(|entry| match step.iteration {
-        Iteration::Chord => entry.substitute(&start).hold(),
-        _ => entry.hold(),
-    });
+/// The next iterate of the simplified Newton iteration, `x − M⁻¹ (left(x) − right)` with the Jacobian `M` of a residual.
+pub(super) fn simplified_newton<'a>(
+    step: &Step<'a>,
+    residual: &Vector<'a>,
+    right: &Vector<'a>,
+) -> Vector<'a> {
+    let matrix = residual.jacobian(&step.unknown.symbols()).map(Expr::hold);
     &step.unknown - &matrix.solve(&(&step.left - right))
 }
 

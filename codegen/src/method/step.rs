@@ -21,8 +21,8 @@ pub struct Step<'a> {
     pub right: Vector<'a>,
     /// `left(x) − right(x)` for Newton's matrix alone: up to a few terms of series that are not finite sums.
     pub coarse_residual: Vector<'a>,
-    /// What is iterated from the first iterate on.
-    pub iteration: Iteration,
+    /// What is iterated, as long as that contracts.
+    pub iteration: Iteration<'a>,
     /// Each positive while `x` is inside a retraction's domain.
     pub domain: Vec<Expr<'a>>,
     /// How the configuration is moved, one increment after the other.
@@ -33,16 +33,13 @@ pub struct Step<'a> {
     pub bounded: Vec<bool>,
 }
 
-/// What is iterated, as long as that contracts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Iteration {
+/// An iteration on a step's equation.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Iteration<'a> {
     /// `x ← left⁻¹(right(x))`, which contracts by about the angle of a step.
     FixedPoint,
-    /// The simplified Newton iteration with the matrix of the [coarse residual](Step::coarse_residual) where the search
-    /// begins.
-    Chord,
-    /// The same with the matrix at each iterate.
-    Newton,
+    /// The simplified Newton iteration with the Jacobian of this.
+    Newton(Vector<'a>),
 }
 
 impl<'a> Step<'a> {

@@ -37,7 +37,7 @@ use super::discretization::{Discretization, Path, values};
 use super::names::symbols;
 use super::presolve::{Equation, presolve_only};
 use super::step::{Iteration, Step};
-use crate::expr::{Arena, Expr, Vector};
+use crate::expr::{Arena, Expr, Series, Vector};
 use crate::group::Retraction;
 use crate::model::{Energy, Parts, Relation, System};
 use crate::scheme::{Member, Method};
@@ -53,10 +53,10 @@ pub const METHOD: Method = Method {
 };
 
 /// The order of the step that Newton's matrix is taken from where it has a few rows: terms of higher order change it by
-/// little. A larger one is that of the midpoint step.
+/// little. A larger one is that of the midpoint step, and the first iterations have one of its first terms.
 const COARSE: usize = 4;
 
-/// The most rows of a matrix that is evaluated at each iterate.
+/// The most rows of a matrix that is all of these terms from the first iteration on.
 const FEW: usize = 3;
 
 /// The derivatives of a generating function, functions of the state's symbols, which stand for what is in the middle of
@@ -97,8 +97,38 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, o
     let is_small = whole.unknown.len() <= FEW;
     whole.take_coarse_residual(step_of(if is_small { COARSE } else { 2 }, Some(&left)).0);
     whole.coarse_residual = whole.coarse_residual.map(Expr::with_short_stumpff);
-    whole.iteration = if is_small { Iteration::Newton } else { Iteration::Chord };
+    whole.iteration = Iteration::Newton(match is_small {
+        true => whole.coarse_residual.clone(),
+        false => linear(&whole.coarse_residual, &increments(system, retraction, member, &whole)),
+    });
     whole
+}
+
+/// The unknowns that are increments, not momenta.
+fn increments<'a>(
+    system: &System<'a>,
+    retraction: Retraction,
+    member: Member,
+    step: &Step<'a>,
+) -> Vec<Expr<'a>> {
+    let arena = step.h.arena();
+    let names = Discretization::new(arena, system, retraction, member).names.unknown();
+    let is_one = |x: &Expr<'a>| x.as_symbol().is_some_and(|x| names.contains(&arena.symbol_info(x).name));
+    step.unknown.iter().filter(is_one).collect()
+}
+
+/// A residual up to terms of the second degree in these symbols.
+fn linear<'a>(residual: &Vector<'a>, symbols: &[Expr<'a>]) -> Vector<'a> {
+    residual.map(|component| {
+        let arena = component.arena();
+        let mut series = Series::new(arena);
+        for &x in symbols {
+            series.push(x, Vec::new());
+            series.push(x, vec![x]);
+        }
+        let parts = (0..2).filter_map(|weight| series.part(component, weight).first().copied());
+        parts.fold(arena.zero(), |sum, part| sum + part)
+    })
 }
 
 /// A step of a system.
