@@ -32,7 +32,8 @@ pub(super) fn scan(
     console: &mut Console<'_>,
 ) -> Result<(), Error> {
     let Motion { entry, changes, job, setup } = motion;
-    let scans = asked.iter().map(|text| Scan::parse(entry, text)).collect::<Result<Vec<_>, _>>()?;
+    let scans = asked.iter().map(|text| Scan::parse(entry, setup.input.as_deref(), text));
+    let scans = scans.collect::<Result<Vec<_>, _>>()?;
     let points = Scan::grid(&scans)?;
     // else all of them would fail in the same way
     stepper(entry, entry.system(&setup.parameters), setup.input.clone(), job)?;

@@ -1,6 +1,8 @@
 //! `--set name=value`: parameters, the initial state and controls, by the names of their quantities or single
 //! components.
 
+use std::sync::Arc;
+
 use coadjoint::system::{Quantity, Role};
 
 use super::form::{RotationForm, others, stored};
@@ -8,8 +10,8 @@ use super::names::{Names, Part, count, named, numbers, velocity};
 use super::rotation::normalize;
 use super::transport::moved;
 use super::{Setup, check};
-use crate::catalogue::Entry;
 use crate::catalogue::quantities::{Component, components};
+use crate::catalogue::{Entry, Input};
 use crate::error::{RunError, SetupError};
 use crate::units::listed;
 
@@ -110,6 +112,11 @@ impl<'e> Changes<'e> {
         Ok(())
     }
 
+    /// Drives controls by a table.
+    pub(crate) fn drive(&mut self, input: Input) {
+        self.setup.input = Some(Arc::new(input));
+    }
+
     /// Shows the setup so far, as it was given.
     #[cfg(test)]
     pub(crate) fn setup(&self) -> &Setup {
@@ -120,11 +127,13 @@ impl<'e> Changes<'e> {
     /// configurations that were given, unless it was given too.
     ///
     /// # Errors
-    /// If a rotation is zero, no stepper can be built with the parameters, or the energy of the state is no number.
+    /// If a rotation is zero, a control is held that a table drives, no stepper can be built with the parameters, or the energy of the
+    /// state is no number.
     pub(crate) fn finish(self) -> Result<(Setup, Vec<String>), RunError> {
         let Self { entry, mut setup, given, velocities } = self;
         let mut notes = normalize(entry, &mut setup)?;
         notes.extend(check(entry, &setup)?);
+        notes.extend(undriven(entry, &setup)?);
         notes.extend(turn_along(entry, &mut setup, &given));
         move_at(entry, &mut setup, &given, &velocities)?;
         notes.extend(other_casimirs(entry, &setup));
@@ -139,6 +148,32 @@ impl<'e> Changes<'e> {
         }
         Ok((setup, notes))
     }
+}
+
+/// Checks that no control is held that a table drives; notes those that neither is said of.
+fn undriven(entry: &Entry, setup: &Setup) -> Result<Option<String>, SetupError> {
+    let Some(input) = &setup.input else { return Ok(None) };
+    let file = input.file.display();
+    let mut zero = Vec::new();
+    for (control, held) in components(entry.description.controls).zip(&setup.controls) {
+        match (input.drives(control.slot), held) {
+            (true, Some(_)) => return Err(driven(&control.name, input)),
+            (false, None) => zero.push(control.name),
+            _ => {}
+        }
+    }
+    Ok((!zero.is_empty()).then(|| {
+        let names = zero.join("`, `");
+        format!("{file} has no column for `{names}`: each is 0 unless `--set` holds it")
+    }))
+}
+
+/// Says that a control is a column of a table.
+pub(super) fn driven(control: &str, input: &Input) -> SetupError {
+    let file = input.file.display();
+    SetupError::new(format!(
+        "`{control}` is a column of {file}, and cannot be set too: leave out one of them"
+    ))
 }
 
 /// Sets momenta to those of the velocities that were given; the others keep theirs.

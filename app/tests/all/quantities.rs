@@ -64,6 +64,29 @@ fn their_distributions_are_drawn() {
 }
 
 #[test]
+fn a_table_drives_every_run_of_a_scan_and_leaves_no_control_to_others() {
+    let scratch = Scratch::new("driven-scan");
+    scratch.write("motor.csv", b"time,motor_x\n0,0.3\n1,-0.2\n");
+    let run = ["run", "driven_pendulum", "--duration", "1", "--step", "0.01"];
+    let driven = [&run[..], &["--input", "motor.csv"]].concat();
+    let table = scratch.prints(&[&driven[..], &["--out", "-"]].concat());
+    let last = table.lines().last().expect("rows").split(',').map(|number| number.parse().expect("a number"));
+    let last: Vec<f64> = last.collect();
+    for scan in ["step=0.02,0.01", "weight=2,3"] {
+        let runs = scratch.object(&[&driven[..], &["--scan", scan]].concat());
+        let end = &runs["runs"][1]["end"];
+        assert_eq!(
+            serde_json::json!([end["angle"][0], end["angle"][1], end["momentum"]]),
+            serde_json::json!(last[1..4])
+        );
+    }
+    for more in [&["--set", "motor=0.5"][..], &["--scan", "motor=0,1"]] {
+        let error = scratch.fails(2, &[&driven[..], more].concat());
+        assert!(error.contains("is a column of motor.csv, and cannot be set too"), "{error}");
+    }
+}
+
+#[test]
 fn a_run_ends_where_a_condition_holds() {
     let scratch = Scratch::new("until");
     let run = ["run", "heavy_top", "--step", "0.01", "--duration", "20", "--every", "7", "--plot"];
