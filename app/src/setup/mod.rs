@@ -265,13 +265,15 @@ pub fn standard(entry: &Entry, retraction: Retraction) -> Method {
     }
 }
 
-/// Checks parameters; returns a note where valid ones are unphysical.
+/// Checks parameters; returns a note where valid ones are unphysical, unless they are the example's.
 ///
 /// # Errors
 /// If no stepper can be built with them.
 pub fn check(entry: &Entry, setup: &Setup) -> Result<Option<String>, ParameterError> {
     entry.system(&setup.parameters).validate()?;
-    Ok((entry.body_inertia)(&setup.parameters).and_then(|inertia| triangle_note(&inertia)))
+    let inertia = (entry.body_inertia)(&setup.parameters);
+    let is_own = inertia == (entry.body_inertia)(&entry.example.parameters);
+    Ok(inertia.filter(|_| !is_own).and_then(|inertia| triangle_note(&inertia)))
 }
 
 /// The moments of a body of mass satisfy the triangle inequality: each is at most the sum of the other two.
