@@ -24,7 +24,7 @@ use crate::picture::{Kind, run_figure};
 use crate::record::{Curves, PageRecorder, Recorders};
 use crate::setup::{Column, Format, Job, Setup, observable};
 use crate::simulate::{
-    Checkpoint, ErrorEstimate, Sample, conserves_energy, error_estimate, simulate, slowed,
+    Checkpoint, ErrorEstimate, Sample, conserves_energy, energy_size, error_estimate, simulate, slowed,
 };
 
 /// Reading the clock costs more than a step: it is read once in this many.
@@ -307,7 +307,7 @@ impl Session {
 
     /// Writes the trajectory, the pictures and the page.
     fn write(self, report: RunReport) -> Result<FinishedRun, Error> {
-        let Self { entry, plan, files, guard, mut recorders, rows, end, ended, .. } = self;
+        let Self { entry, mut plan, files, guard, mut recorders, rows, end, ended, .. } = self;
         let Some(conservation) = recorders.conservation.take() else {
             return Err(SetupError::new("the run has no samples").into());
         };
@@ -315,6 +315,10 @@ impl Session {
         let interrupted = (steps < plan.job.total() && !ended).then_some(steps);
         if let (true, Some(curves)) = (ended, &mut recorders.curves) {
             curves.span = (time.min(0.0), time.max(0.0));
+        }
+        if ended && steps < plan.job.total() {
+            // what is said of the run is said of the steps that it took
+            plan.job = Job { steps, rest: 0.0, ..plan.job };
         }
         let mut contents = Vec::new();
         let mut store = None;
@@ -338,6 +342,7 @@ impl Session {
             Some(_) => None,
         };
         let guard = guard.with_error_estimate(estimate.as_ref().map(ErrorEstimate::words));
+        let guard = guard.with_end(ended.then_some((steps, time)));
         let Written { files: written, kept } = guard.put(contents, status)?;
         if let (Some(store), None) = (store, interrupted) {
             store.remove();
@@ -351,12 +356,14 @@ impl Session {
         let notes = kept.chain(slowed).chain(until).collect();
         let off_group = recorders.off_group;
         let conserves_energy = conserves_energy(&entry, &plan.setup, (time, &end));
+        let energy_size = energy_size(&entry, &plan.setup, (time, &end));
         let summary = RunSummary {
             job: plan.job,
             report,
             conservation,
             estimate,
             conserves_energy,
+            energy_size,
             off_group,
             time_per_step: None,
         };
