@@ -80,7 +80,7 @@ pub enum StepError {
         /// How far off it is.
         deviation: f64,
     },
-    /// A run cannot end at a time that is not finite, or farther away than steps can be counted.
+    /// A run cannot end at a time that is not finite, behind its start, or farther away than steps can be counted.
     #[error("no number of steps leads to the time {time}")]
     OutOfReach {
         /// The time asked for.
