@@ -28,7 +28,7 @@ pub(crate) struct ChosenRun {
     pub(crate) motion: MotionArguments,
     /// A quantity of your own, to be shown: `momentum.norm()`
     ///
-    /// Expressions are those of descriptions, by the names of state, parameters, controls, the time `t` and `energy`;
+    /// Expressions are written as in descriptions, by the names of state, velocities, parameters, controls, the time `t` and `energy`;
     /// before them a name and a unit may stand: `'height, m = gamma.dot(&chi)'`.
     #[arg(long, value_name = "EXPRESSION")]
     pub(crate) quantity: Vec<String>,

@@ -22,7 +22,7 @@ use crate::files::{
 use crate::page::{PageHeading, page};
 use crate::picture::{Kind, run_figure};
 use crate::record::{Curves, PageRecorder, Recorders};
-use crate::setup::{Column, Format, Job, Setup, observable};
+use crate::setup::{Column, Format, Job, Setup, condition, observables};
 use crate::simulate::{
     Checkpoint, ErrorEstimate, Sample, conserves_energy, energy_size, error_estimate, simulate, slowed,
 };
@@ -229,7 +229,7 @@ impl Session {
         let mut is_new = from.is_none();
         let mut failure = None;
         // an error's peak may be as short as one step, but to look at a step takes several times as long as the step
-        let until = self.plan.until.as_deref().map(|text| observable(&entry, text)).transpose()?;
+        let until = self.plan.until.as_deref().map(|text| condition(&entry, text)).transpose()?;
         let interval = if self.plan.watch || until.is_some() { 1 } else { self.plan.every };
         let next = |index: u64| {
             let after = |interval: u64| (index / interval + 1).saturating_mul(interval);
@@ -371,16 +371,18 @@ impl Session {
     }
 }
 
-/// Adds the quantities asked for to those of the system.
+/// Adds the quantities asked for to those of the system, and looks at the condition.
 fn observed(entry: &Entry, plan: &Plan) -> Result<Entry, SetupError> {
-    let own = plan.quantity.iter().map(|text| observable(entry, text)).collect::<Result<Vec<_>, _>>()?;
+    let own = observables(entry, &plan.quantity)?;
     let is_known = |column: &&String| own.iter().any(|own| own.name == **column);
     if let Some(name) = entry.columns().iter().find(is_known) {
         return Err(SetupError::new(format!(
             "`{name}` is a column already: name it otherwise, as in `own = {name}`"
         )));
     }
-    Ok(entry.clone().with_observables(own))
+    let entry = entry.clone().with_observables(own);
+    plan.until.as_deref().map_or(Ok(()), |text| condition(&entry, text).map(|_| ()))?;
+    Ok(entry)
 }
 
 /// Lists the files of a run, looked at before it starts, and what guards them.

@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 
 pub(crate) use assign::{Changes, assignments};
 pub use column::Column;
-pub(crate) use expression::observable;
+pub(crate) use expression::{condition, observable, observables};
 pub(crate) use method::MethodParser;
 pub use method::{Classical, Method};
 pub(crate) use names::Names;
