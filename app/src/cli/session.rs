@@ -22,6 +22,7 @@ use crate::files::{
 use crate::page::{PageHeading, page};
 use crate::picture::{Kind, run_figure};
 use crate::record::{Curves, PageRecorder, Recorders};
+use crate::scene;
 use crate::setup::{Column, Format, Job, Setup, condition, observables};
 use crate::simulate::{
     Checkpoint, ErrorEstimate, Sample, conserves_energy, energy_size, error_estimate, simulate, slowed,
@@ -160,6 +161,7 @@ impl Session {
         interrupt::listen();
         let entry = &observed(entry, &plan)?;
         let columns = plan.columns(entry)?;
+        plan.html.as_ref().map_or(Ok(()), |_| scene::check(entry, &plan.setup.parameters))?;
         let (files, guard) = claimed(entry, &plan, checkpoint)?;
         let (step, steps) = (plan.job.step, plan.job.total());
         let curves = plan.plot.then(|| Curves::new(entry, (step, steps)));
