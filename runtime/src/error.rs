@@ -24,7 +24,9 @@ pub enum ParameterError {
         difference: f64,
     },
     /// An inertia is not positive definite: some motion would have no or negative kinetic energy.
-    #[error("inertia `{name}` is not positive definite: pivot {index} of its LDLᵀ factorization is {pivot}")]
+    #[error(
+        "inertia `{name}` is not positive definite: it, or pivot {index} of its LDLᵀ factorization, is {pivot}"
+    )]
     NotPositiveDefinite {
         /// The field's name.
         name: &'static str,

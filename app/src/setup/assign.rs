@@ -86,13 +86,14 @@ impl<'e> Changes<'e> {
         };
         let Some(numbers) = stored else {
             let others = if is_whole { others(target.quantity) } else { String::new() };
-            let reason = match form.is_some() && !others.contains("euler") {
-                true => format!("`{name}` is no rotation in space"),
-                false => {
-                    format!("`{name}` takes {}, got {}{others}", count(slots.len()), count(numbers.len()))
+            let got = count(numbers.len());
+            return Err(SetupError::new(match form {
+                Some(_) if !others.contains("euler") => format!("`{name}` is no rotation in space"),
+                Some(form) => {
+                    format!("`{name}={}:…` takes {}, got {got}", form.name(), count(slots.len() - 1))
                 }
-            };
-            return Err(SetupError::new(reason));
+                None => format!("`{name}` takes {}, got {got}{others}", count(slots.len())),
+            }));
         };
         match target.part {
             Part::Parameters => self.setup.parameters[slots].copy_from_slice(&numbers),

@@ -456,7 +456,10 @@ fn shapes(what: &str, a: &Value, b: &Value) -> String {
         (rows, 1) => format!("a vector of {rows}"),
         (rows, columns) => format!("a matrix of {rows} × {columns}"),
     };
-    format!("there is no {what} of {} and {}", words(a), words(b))
+    // of rotations
+    let is_rotation = |value: &Value| [(2, 2), (3, 3)].contains(&value.shape());
+    let hint = if is_rotation(a) || is_rotation(b) { "; the angle of a rotation is `.angle()`" } else { "" };
+    format!("there is no {what} of {} and {}{hint}", words(a), words(b))
 }
 
 fn numbers(what: &str, a: &Value, b: &Value, of: impl Fn(f64, f64) -> f64) -> Evaluated {
@@ -637,6 +640,7 @@ mod tests {
             ("attitude", "a matrix of 3 × 3"),
             ("momentum + 1.0", "there is no sum of a vector of 3 and a number"),
             ("momentum.dot(&attitude)", "no `dot` of a vector of 3 and a matrix of 3 × 3"),
+            ("attitude < 0", "of a matrix of 3 × 3 and a number; the angle of a rotation is `.angle()`"),
             ("momentum.q", "there is no component `q`"),
             ("momentum.norm(1.0)", "`norm` takes 1 arguments"),
             ("momentum.sin()", "`sin` is a function of a number"),

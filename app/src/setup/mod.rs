@@ -251,6 +251,16 @@ impl Format {
         }
     }
 
+    /// Checks that this program writes it.
+    pub(crate) fn checked(self) -> Result<Self, SetupError> {
+        match self {
+            Format::Parquet if !cfg!(feature = "parquet") => {
+                Err(SetupError::new("this program was built without `--features parquet`"))
+            }
+            _ => Ok(self),
+        }
+    }
+
     /// Finds the format of files with this extension.
     pub(crate) fn of_extension(extension: &str) -> Option<Self> {
         Self::from_str(extension, false).ok()

@@ -127,7 +127,8 @@ fn rotations_are_read_and_written_in_their_forms() {
     let (setup, _) = set_in("planar_pendulum", &["angle=1"]).expect("valid");
     near(&setup.state[..2], &[cos, sin]);
     for (assignment, expected) in [
-        ("attitude=euler:1,2", "in other forms `attitude=euler:…`"),
+        ("attitude=euler:1,2", "`attitude=euler:…` takes 3 numbers separated by commas, got 2 numbers"),
+        ("attitude=1,2", "in other forms `attitude=euler:…`"),
         ("attitude=quat:1,2,3", "there is no form `quat`"),
         ("momentum=euler:1,2,3", "`momentum` is no rotation in space"),
         ("attitude_w=mrp:1,2,3", "is no rotation in space"),
@@ -204,8 +205,10 @@ fn steps_lead_to_the_end_of_a_run() {
 
 #[test]
 fn an_inertia_that_no_body_has_is_noted() {
-    let (_, notes) = set(&["inertia=1,10,100"]).expect("valid all the same");
+    let (_, notes) = set(&["inertia=1,10,101"]).expect("valid all the same");
     assert!(notes[0].contains("the largest exceeds the sum of the others"), "{notes:?}");
+    // but not where it is the example's
+    assert_eq!(set(&["weight=2"]).expect("valid").1, [""; 0]);
 }
 
 /// A rigid body in space that sees a direction of space.

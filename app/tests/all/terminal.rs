@@ -164,7 +164,11 @@ fn what_cannot_be_is_refused() {
     for (arguments, expected) in [
         (&["view", "heavy_top", "--format", "json"][..], "unexpected argument '--format'"),
         (&["view", "heavy_top", "--checkpoint", "a"], "unexpected argument '--checkpoint'"),
-        (&["view", "heavy_top", "--every", "2"], "unexpected argument '--every'"),
+        (&["view", "heavy_top", "--every", "2"], "there is `run --every`, `ensemble --every`"),
+        (&["run", "heavy_top", "--spread", "a=1"], "found\n\n  tip: there is `ensemble --spread`\n\nUsage"),
+        (&["plot", "heavy_top"], "unrecognized subcommand 'plot'\n\n  tip: there is `run --plot`\n\nUsage"),
+        #[cfg(not(feature = "parquet"))]
+        (&["run", "heavy_top", "--format", "parquet"], "built without `--features parquet`"),
         (&["run", "heavy_top", "--scan", "weight=1,2", "--plot"], "cannot be used with"),
         (&["run", "heavy_top", "--scan", "wieght=1,2"], "did you mean `weight`?"),
         (&["run", "heavy_top", "--long"], "unexpected argument '--long'"),
