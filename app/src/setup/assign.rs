@@ -51,7 +51,12 @@ impl<'e> Changes<'e> {
                 Some((form, value)) => (Some(RotationForm::named(form)?), value),
                 None => (None, value),
             };
-            self.assign_form(Names::ALL, name, form, &numbers(name, value)?)?;
+            let is_angle = ["deg", "°", "rad"].iter().any(|unit| value.contains(unit));
+            let numbers = numbers(assignment, value).map_err(|error| match is_angle {
+                true => SetupError::new(format!("{error}: angles are numbers, in rad")),
+                false => error,
+            })?;
+            self.assign_form(Names::ALL, name, form, &numbers)?;
         }
         Ok(())
     }

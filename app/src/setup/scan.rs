@@ -50,9 +50,9 @@ impl Scan {
             return Err(wrong(&format!("one number is scanned at a time, as in `{component}=…`")));
         }
         let values = match range.split(':').collect::<Vec<_>>()[..] {
-            [list] => numbers(name, list)?,
+            [list] => numbers(text, list)?,
             [from, to, count] => {
-                let ends = numbers(name, &format!("{from},{to}"))?;
+                let ends = numbers(text, &format!("{from},{to}"))?;
                 let count = count.trim().parse::<usize>().map_err(|_| wrong(form))?;
                 if count == 0 || count > MOST {
                     return Err(wrong(&format!("the count must be from 1 to {MOST}, got {count}")));

@@ -64,6 +64,10 @@ fn mistakes_are_explained() {
         ("weight=1,2", "takes one number, got 2"),
         ("chi=1,two,3", "`two` is not a number"),
         ("chi=1,,3", "`` is not a number"),
+        (
+            "attitude=rotvec:0,0,90deg",
+            "`90deg` is not a number (in `attitude=rotvec:0,0,90deg`): angles are numbers, in rad",
+        ),
         ("momentum=1,NaN,3", "must be finite, got `NaN`"),
         ("weight=inf", "must be finite"),
         ("inertia=1,-2,3", "not positive definite"),
