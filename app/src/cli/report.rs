@@ -123,7 +123,11 @@ pub fn table(entry: &Entry, runs: &[RunSummary]) -> String {
     if runs.iter().any(|run| run.job.rest != 0.0) {
         row("last step, s", &|run| rounded(if run.job.rest == 0.0 { run.job.step } else { run.job.rest }));
     }
-    row("time per step, ns", &|run| run.time_per_step.map_or("–".to_owned(), |time| format!("{time:.0}")));
+    row("time per step, ns", &|run| match (run.time_per_step, run.job.method.classical()) {
+        (None, _) => "–".to_owned(),
+        (Some(time), None) => format!("{time:.0}"),
+        (Some(time), Some(_)) => format!("{time:.0} (generic)"),
+    });
     row("iterations per step", &|run| format!("{:.2}", run.report.iterations_per_step()));
     let start = |run: &RunSummary| figures(run.conservation.energy.initial + 0.0, 4);
     row(&of("energy at the start"), &start);

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use coadjoint::system::{Quantity, Role};
 
 use super::form::{RotationForm, others, stored};
-use super::names::{Names, Part, count, named, numbers, velocity};
+use super::names::{Name, Names, Part, count, named, numbers, velocity};
 use super::rotation::normalize;
 use super::transport::moved;
 use super::{Setup, check};
@@ -80,7 +80,12 @@ impl<'e> Changes<'e> {
         form: Option<RotationForm>,
         numbers: &[f64],
     ) -> Result<(), SetupError> {
-        let target = named(self.entry, which, name)?;
+        let target = match named(self.entry, which, name) {
+            Err(_) if form.is_none() && array(self.entry, which, name).next().is_some() => {
+                return self.assign_array(which, name, numbers);
+            }
+            target => target?,
+        };
         if let Some(number) = numbers.iter().find(|number| !number.is_finite()) {
             return Err(SetupError::new(format!("`{name}` must be finite, got `{number}`")));
         }
@@ -114,6 +119,24 @@ impl<'e> Changes<'e> {
                 let controls = self.setup.controls[slots].iter_mut();
                 controls.zip(numbers).for_each(|(control, number)| *control = Some(number));
             }
+        }
+        Ok(())
+    }
+
+    /// Sets all elements of an array, one after the other.
+    fn assign_array(&mut self, which: Names, name: &str, numbers: &[f64]) -> Result<(), SetupError> {
+        let length = array(self.entry, which, name).map(|element| element.slots.len()).sum();
+        if numbers.len() != length {
+            let (takes, got) = (count(length), count(numbers.len()));
+            return Err(SetupError::new(format!(
+                "`{name}` takes {takes}, got {got}; its elements are `{name}_0`, …"
+            )));
+        }
+        let mut rest = numbers;
+        for element in array(self.entry, which, name) {
+            let (own, others) = rest.split_at(element.slots.len());
+            self.assign(which, &element.name, own)?;
+            rest = others;
         }
         Ok(())
     }
@@ -154,6 +177,11 @@ impl<'e> Changes<'e> {
         }
         Ok((setup, notes))
     }
+}
+
+/// Lists the elements of an array of this name.
+fn array(entry: &Entry, which: Names, name: &str) -> impl Iterator<Item = Name> {
+    (0..).map_while(move |k| named(entry, which, &format!("{name}_{k}")).ok())
 }
 
 /// Checks that no control is held that a table drives; notes those that neither is said of.

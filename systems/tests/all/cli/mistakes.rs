@@ -33,6 +33,11 @@ fn bad_input_is_refused_with_a_message() {
         (&["run", "heavy_top", "--set", "weight"], 2, "has no `=`"),
         (&["run", "heavy_top", "--set", "chi=1,2"], 2, "takes 3 numbers separated by commas, got 2"),
         (&["run", "heavy_top", "--set", "weight=1,2,3"], 2, "takes one number, got 3"),
+        (
+            &["run", "spin_chain", "--set", "spins_momentum=1,2"],
+            2,
+            "takes 12 numbers separated by commas, got 2",
+        ),
         (&["run", "heavy_top", "--set", "weight=heavy"], 2, "`heavy` is not a number"),
         (&["run", "heavy_top", "--set", "momentum=1,nan,1"], 2, "`momentum` must be finite"),
         (&["run", "heavy_top", "--set", "momentum_x=inf"], 2, "`momentum_x` must be finite"),
