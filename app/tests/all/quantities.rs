@@ -141,7 +141,7 @@ fn what_is_none_is_told_with_what_there_is() {
     for (quantity, reason) in [
         (
             "momentm",
-            "did you mean `momentum`? (t, energy, inertia, weight, angle, momentum, motor, power, and their components)",
+            "did you mean `momentum`? (t, energy, inertia, weight, angle, momentum, motor, velocity, power, and their components)",
         ),
         ("momentum_x", "is a column already"),
         ("power = t", "is a column already"),
