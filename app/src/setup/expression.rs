@@ -404,7 +404,7 @@ fn named(entry: &Entry, name: &str) -> Result<Compiled, String> {
     for quantity in momenta() {
         let mut slots = quantity.tangent();
         let is_it = |part: &&str| velocity(&component_name(quantity, part)) == name;
-        if let Some(part) = quantity.components.iter().position(|part| is_it(&part)) {
+        if let Some(part) = quantity.components.iter().position(is_it) {
             slots = slots.start + part..slots.start + part + 1;
         } else if velocity(quantity.name) != name {
             continue;
