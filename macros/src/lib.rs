@@ -83,6 +83,7 @@ pub fn lie_group(input: TokenStream) -> TokenStream {
 /// ```
 ///
 /// Its body is an expression as those of a description, in its arguments alone. It is differentiated as if it was written out where it is called.
+/// A function without it is an error of the compiler's, "cannot find macro `density`". None is called `cos`, or as another method of numbers.
 #[proc_macro_attribute]
 pub fn expression(attribute: TokenStream, item: TokenStream) -> TokenStream {
     coadjoint_codegen::expression(attribute.into(), item.into()).into()

@@ -24,7 +24,9 @@ pub enum ParameterError {
         difference: f64,
     },
     /// An inertia is not positive definite: some motion would have no or negative kinetic energy.
-    #[error("inertia `{name}` is not positive definite: pivot {index} of its LDLᵀ factorization is {pivot}")]
+    #[error(
+        "inertia `{name}` is not positive definite: it, or pivot {index} of its LDLᵀ factorization, is {pivot}"
+    )]
     NotPositiveDefinite {
         /// The field's name.
         name: &'static str,
@@ -80,7 +82,7 @@ pub enum StepError {
         /// How far off it is.
         deviation: f64,
     },
-    /// A run cannot end at a time that is not finite, or farther away than steps can be counted.
+    /// A run cannot end at a time that is not finite, behind its start, or farther away than steps can be counted.
     #[error("no number of steps leads to the time {time}")]
     OutOfReach {
         /// The time asked for.

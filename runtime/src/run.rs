@@ -343,7 +343,7 @@ where
     }
 
     /// Takes steps until `time`, fewer if an observer ends the run. The last one is shorter where whole steps do not lead there, and the stepper
-    /// has its own step again afterwards. None if `time` is behind.
+    /// has its own step again afterwards.
     ///
     /// ```
     /// use coadjoint::prelude::*;
@@ -364,9 +364,9 @@ where
     ///
     /// # Errors
     /// If a step cannot be taken; state and stepper's time are then the last ones that were reached. If no number of steps leads to `time`, since it
-    /// is not finite or too far: nothing is done then.
+    /// is not finite, too far or behind: nothing is done then.
     pub fn to(mut self, time: f64) -> Result<RunReport, RunError> {
-        let (whole, rest) = self.way(time)?;
+        let (whole, rest) = self.way(time, false)?;
         let mut report = RunReport::default();
         let last = self.walk(whole, None, &mut report)?;
         let step = self.stepper.step_size();
@@ -379,12 +379,12 @@ where
         Ok(report)
     }
 
-    /// Takes whole steps until `time` is reached or passed, fewer if an observer ends the run.
+    /// Takes whole steps until `time` is reached or passed, fewer if an observer ends the run; none if it is behind.
     ///
     /// # Errors
     /// As [`to`](Self::to).
     pub fn past(mut self, time: f64) -> Result<RunReport, RunError> {
-        let (whole, rest) = self.way(time)?;
+        let (whole, rest) = self.way(time, true)?;
         let mut report = RunReport::default();
         self.walk(whole.saturating_add(u64::from(rest != 0.0)), None, &mut report)?;
         Ok(report)
@@ -397,19 +397,19 @@ where
     }
 
     /// How many whole steps it is until a time, and what is left then; nothing if that is no more than roundoff.
-    fn way(&mut self, time: f64) -> Result<(u64, f64), RunError> {
+    fn way(&mut self, time: f64, may_be_passed: bool) -> Result<(u64, f64), RunError> {
         // above that not every number of steps is a number
         const MOST: f64 = (1_u64 << f64::MANTISSA_DIGITS) as f64;
         let now = self.start.unwrap_or_else(|| self.stepper.time());
         let step = self.stepper.step_size();
         let steps = (time - now) / step;
-        if !time.is_finite() || !(steps <= MOST) {
+        // less than half a step, be it ever so far
+        let roundoff = (4.0 * f64::EPSILON * (time.abs() + now.abs() + step.abs()) / step.abs()).min(0.25);
+        if !time.is_finite() || !(steps <= MOST) || (steps < -roundoff && !may_be_passed) {
             let (step, cause) = (self.stepper.steps_taken() + 1, StepError::OutOfReach { time });
             return Err(RunError::new(step, now, RunReport::default(), cause));
         }
         self.begin();
-        // less than half a step, be it ever so far
-        let roundoff = (4.0 * f64::EPSILON * (time.abs() + now.abs() + step.abs()) / step.abs()).min(0.25);
         if steps <= roundoff {
             return Ok((0, 0.0));
         }
@@ -563,7 +563,7 @@ mod tests {
     #[test]
     fn a_run_ends_at_its_time() {
         for (step, time, steps) in
-            [(0.1, 0.25, 3), (0.1, 0.3, 3), (-0.1, -0.25, 3), (0.1, 0.04, 1), (0.1, -1.0, 0)]
+            [(0.1, 0.25, 3), (0.1, 0.3, 3), (-0.1, -0.25, 3), (0.1, 0.04, 1), (0.1, -1e-17, 0)]
         {
             let mut stepper = body().stepper::<Cayley>(step).expect("valid");
             let (mut state, mut ticks) = (start(), Vec::new());
@@ -612,11 +612,15 @@ mod tests {
                 assert_eq!(named.to_bits(), time.to_bits());
             }
         }
-        assert_eq!((ticks, &state, stepper.snapshot()), (0, &before, memory));
+        assert_eq!((ticks, &state, &stepper.snapshot()), (0, &before, &memory));
         let error = Run::new(&mut stepper, &mut state).to(f64::INFINITY).expect_err("out of reach");
         assert!(std::format!("{error}").ends_with("no number of steps leads to the time inf"), "{error}");
-        // a time behind is no way at all
-        assert_eq!(Run::new(&mut stepper, &mut state).to(-1e300).expect("behind").steps, 0);
+        // a time behind is passed, and no end
+        for time in [-1.0, -1e300] {
+            assert_eq!(Run::new(&mut stepper, &mut state).past(time).expect("passed").steps, 0);
+            let error = Run::new(&mut stepper, &mut state).to(time).expect_err("behind");
+            assert_eq!((error.cause, &stepper.snapshot()), (StepError::OutOfReach { time }, &memory));
+        }
     }
 
     #[test]

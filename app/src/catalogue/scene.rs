@@ -38,6 +38,8 @@ pub struct Scene {
     pub links: Vec<Link>,
     /// The height of the ground, m.
     pub ground: Option<f64>,
+    /// A body that was to be changed and is not there: a mistake, with which no page is made.
+    pub missing: Option<usize>,
 }
 
 /// A body: something with a place and an attitude, each given by a source or fixed.
@@ -373,8 +375,8 @@ impl Scene {
         self.changed(body, |body| Body { mount: Some((from, point.into(), false)), ..body })
     }
 
-    /// Mounts a body on a hinge at a point of another one, m: it turns about this axis of that one, relative to it. In
-    /// that one's origin, as a wheel, it leaves no trace.
+    /// Mounts a body on a hinge at a point of another one, m: it turns about this axis of that one, relative to it; one that
+    /// moves does so from this point on in the axes of that one. In that one's origin, as a wheel, it leaves no trace.
     pub fn mount(self, body: usize, on: usize, point: Vector3<f64>, axis: Vector3<f64>) -> Self {
         self.changed(body, |body| Body {
             mount: Some((on, point.into(), true)),
@@ -417,8 +419,9 @@ impl Scene {
     }
 
     fn changed(mut self, body: usize, change: impl FnOnce(Body) -> Body) -> Self {
-        if let Some(body) = self.bodies.get_mut(body) {
-            *body = change(body.clone());
+        match self.bodies.get_mut(body) {
+            Some(body) => *body = change(body.clone()),
+            None => self.missing = Some(body),
         }
         self
     }

@@ -70,6 +70,14 @@ pub(crate) fn certify(
         writeln!(console.words(), "{line}")?;
     }
     let passed = reports.iter().all(Report::passed);
+    if !passed && entry.description.piecewise {
+        let kink = format!(
+            "`{}` is written piece by piece, and claims are of states away from kinks: its example may be at one, as friction is at rest; \
+             an example that moves there shows what holds",
+            entry.name
+        );
+        console.note(kink)?;
+    }
     let notes = console.notes.clone();
     console.object(|| json!({ "passed": passed, "states": states, "reports": reports, "notes": notes }))?;
     match reports.iter().filter(|report| !report.passed()).count() {
@@ -134,8 +142,46 @@ fn assignments(quantities: &[Quantity], state: &[f64]) -> String {
 
 #[cfg(test)]
 mod tests {
+    use coadjoint::prelude::*;
+
     use super::*;
+    use crate::Example;
     use crate::tests::catalogue;
+
+    /// A mass on a spring that rubs.
+    #[lie_poisson_system(
+        group = R1,
+        potential = stiffness * position.norm_squared() / 2.0,
+        force = -friction * momentum.x.signum()
+    )]
+    struct Rubbing {
+        #[inertia]
+        mass: f64,
+        stiffness: f64,
+        friction: f64,
+    }
+
+    impl Example for Rubbing {
+        fn example() -> (Self, RubbingState) {
+            let rubbing = Self { mass: 1.0, stiffness: 4.0, friction: 0.5 };
+            (rubbing, RubbingState { position: vector![1.0], momentum: vector![0.0] })
+        }
+    }
+
+    #[test]
+    fn claims_that_fail_at_a_kink_are_explained() {
+        let arguments = CertifyArguments {
+            system: "rubbing".to_owned(),
+            method: None,
+            retraction: None,
+            output: OutputMode::default(),
+        };
+        let mut printed = Vec::new();
+        let result = certify(&Catalogue::new([Rubbing::entry()]), &arguments, &mut printed);
+        let printed = String::from_utf8(printed).expect("UTF-8");
+        assert!(result.is_err() && printed.contains("FAILED"), "{printed}");
+        assert!(printed.contains("note: `rubbing` is written piece by piece"), "{printed}");
+    }
 
     #[test]
     fn every_row_is_explained_in_a_line() {

@@ -19,7 +19,7 @@ use crate::files::{
     FileOrigin, Members, NewFile, OverwriteGuard, PlannedFile, Provenance, Status, file_in, is_stdout, table,
 };
 use crate::picture::{Kind, ensemble_figure};
-use crate::setup::{Changes, Job, Setup, observable};
+use crate::setup::{Changes, Job, Setup, observable, observables};
 use crate::simulate::ensemble::{self, EnsembleSpec, EnsembleSummary, Variation};
 use crate::simulate::threads;
 use crate::units::{grouped, short};
@@ -49,7 +49,7 @@ pub(crate) struct EnsembleArguments {
     pub(crate) motion: MotionArguments,
     /// A quantity to show: `energy`, `gamma.norm()` [default: the momentum]
     ///
-    /// Expressions are those of descriptions, by the names of state, parameters, controls and the time `t`; before them
+    /// Expressions are written as in descriptions, by the names of state, velocities, parameters, controls and the time `t`; before them
     /// a name and a unit may stand: `'height, m = gamma.dot(&chi)'`.
     #[arg(long, value_name = "EXPRESSION")]
     pub(crate) quantity: Vec<String>,
@@ -104,7 +104,7 @@ fn execute(
     // before files are looked at
     spec.check_room()?;
     spec.variation.notes.iter().try_for_each(|note| console.note(note.clone()))?;
-    let named = observables(entry, &asked.quantity)?;
+    let named = shown(entry, &asked.quantity)?;
     threads::start()?;
     let run = Provenance { ensemble: Some(asked), ..Provenance::of_run(entry, setup, job, every) };
     let stem = run.stem(entry, job);
@@ -188,9 +188,9 @@ fn contents(
 }
 
 /// Reads the quantities asked for.
-fn observables(entry: &Entry, asked: &[String]) -> Result<Vec<Observable>, SetupError> {
+fn shown(entry: &Entry, asked: &[String]) -> Result<Vec<Observable>, SetupError> {
     if !asked.is_empty() {
-        return asked.iter().map(|text| observable(entry, text)).collect();
+        return observables(entry, asked);
     }
     let momenta = components(entry.description.state)
         .filter(|component| component.quantity.role == Role::Momentum)

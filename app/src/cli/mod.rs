@@ -25,6 +25,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::catalogue::{Catalogue, Entry, set_program};
@@ -176,7 +177,8 @@ impl App {
             arguments.extend(self.default.map(OsString::from));
         }
         interrupt::guard();
-        let matches = self.parser().get_matches_from(arguments);
+        let matches = self.parser().try_get_matches_from(arguments);
+        let matches = matches.unwrap_or_else(|error| explained(error, &self.parser()).exit());
         let own = matches.subcommand().and_then(|(name, matches)| {
             let own = self.commands.iter().find(|(arguments, _)| arguments.get_name() == name);
             own.map(|(_, run)| (run, matches))
@@ -239,6 +241,29 @@ impl TypedValueParser for SystemParser {
 fn parsed(words: Vec<String>) -> Result<Command, clap::Error> {
     let line = std::iter::once(program()).chain(words);
     CommandLine::try_parse_from(line).map(|line| line.command)
+}
+
+/// Says which commands have an option that this one does not have, or that was taken for a command.
+fn explained(mut error: clap::Error, parser: &clap::Command) -> clap::Error {
+    let asked =
+        [ContextKind::InvalidSubcommand, ContextKind::InvalidArg].map(|kind| error.get(kind).cloned());
+    let kinds = [ErrorKind::UnknownArgument, ErrorKind::InvalidSubcommand];
+    let Some(ContextValue::String(asked)) = asked.into_iter().flatten().next() else { return error };
+    if !kinds.contains(&error.kind()) {
+        return error;
+    }
+    // nothing that begins with `--` is a value
+    error.remove(ContextKind::Suggested);
+    let name = asked.trim_start_matches("--");
+    let has = |command: &&clap::Command| command.get_arguments().any(|own| own.get_long() == Some(name));
+    let of = parser.get_subcommands().filter(has).map(|command| format!("`{} --{name}`", command.get_name()));
+    let of = of.collect::<Vec<_>>().join(", ");
+    if !of.is_empty() {
+        error.remove(ContextKind::SuggestedSubcommand);
+        let hint = ContextValue::StyledStrs(vec![format!("there is {of}").into()]);
+        error.insert(ContextKind::Suggested, hint);
+    }
+    error
 }
 
 /// Tells the exit code of an error, as [`EXIT_CODES`] lists them.

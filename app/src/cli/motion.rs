@@ -2,7 +2,6 @@
 
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use clap::Args;
 
@@ -29,7 +28,7 @@ pub(crate) struct ChosenRun {
     pub(crate) motion: MotionArguments,
     /// A quantity of your own, to be shown: `momentum.norm()`
     ///
-    /// Expressions are those of descriptions, by the names of state, parameters, controls, the time `t` and `energy`;
+    /// Expressions are written as in descriptions, by the names of state, velocities, parameters, controls, the time `t` and `energy`;
     /// before them a name and a unit may stand: `'height, m = gamma.dot(&chi)'`.
     #[arg(long, value_name = "EXPRESSION")]
     pub(crate) quantity: Vec<String>,
@@ -194,12 +193,12 @@ impl<'e> Motion<'e> {
         let usual = if is_ensemble { Retraction::Cayley } else { Retraction::Exponential };
         let retraction = scheme.retraction.unwrap_or_else(|| usual.or_first_of(entry));
         let job = Job { method, retraction, order: scheme.order.unwrap_or(Order::Two), step, steps, rest };
-        let (mut setup, notes) = changes.clone().finish()?;
         if let Some(file) = &asked.input {
             let text = text(file).map_err(FileError::read(file))?;
             let input = Input::parse(entry, file.clone(), &text, asked.interpolation.unwrap_or_default())?;
-            setup.input = Some(Arc::new(input));
+            changes.drive(input);
         }
+        let (setup, notes) = changes.clone().finish()?;
         note.into_iter().chain(notes).try_for_each(|note| console.note(note))?;
         Ok(Self { entry, changes, setup, job })
     }

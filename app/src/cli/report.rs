@@ -24,6 +24,8 @@ pub struct RunSummary {
     pub estimate: Option<ErrorEstimate>,
     /// Whether its energy is an invariant.
     pub conserves_energy: bool,
+    /// How large energies of the motion are.
+    pub energy_size: f64,
     /// How far the configuration was off its group, at most.
     pub off_group: f64,
     /// The time of a step without an observer, ns; none if there were no steps.
@@ -35,7 +37,12 @@ impl RunSummary {
     pub fn conclusions(&self, entry: &Entry) -> Vec<String> {
         let mut lines = Vec::new();
         let energy = &self.conservation.energy;
-        lines.push(if self.conserves_energy {
+        lines.push(if self.conserves_energy && energy.error > 0.5 * self.energy_size {
+            format!(
+                "energy: lost: its error is up to {}, as large as the energy itself; take a shorter step",
+                with_unit_behind(energy.error, entry.energy_unit)
+            )
+        } else if self.conserves_energy {
             format!("energy: {}", self.describe(energy, entry.energy_unit))
         } else if entry.description.autonomous {
             "energy: conserved only while the controls are the same".to_owned()
@@ -116,7 +123,11 @@ pub fn table(entry: &Entry, runs: &[RunSummary]) -> String {
     if runs.iter().any(|run| run.job.rest != 0.0) {
         row("last step, s", &|run| rounded(if run.job.rest == 0.0 { run.job.step } else { run.job.rest }));
     }
-    row("time per step, ns", &|run| run.time_per_step.map_or("–".to_owned(), |time| format!("{time:.0}")));
+    row("time per step, ns", &|run| match (run.time_per_step, run.job.method.classical()) {
+        (None, _) => "–".to_owned(),
+        (Some(time), None) => format!("{time:.0}"),
+        (Some(time), Some(_)) => format!("{time:.0} (generic)"),
+    });
     row("iterations per step", &|run| format!("{:.2}", run.report.iterations_per_step()));
     let start = |run: &RunSummary| figures(run.conservation.energy.initial + 0.0, 4);
     row(&of("energy at the start"), &start);

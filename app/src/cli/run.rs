@@ -150,7 +150,7 @@ fn described(
     if every == 0 {
         return Err(SetupError::new("`every` must be 1 or more, got 0").into());
     }
-    let format = Some(arguments.format.or(config.format).unwrap_or(Format::Csv));
+    let format = Some(arguments.format.or(config.format).unwrap_or(Format::Csv).checked()?);
     let RunArguments { plot, watch_every_step: watch, checkpoint_every: pause, .. } = *arguments;
     let html = arguments.html.clone();
     let columns = if arguments.columns.is_empty() { config.columns } else { arguments.columns.clone() };

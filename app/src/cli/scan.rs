@@ -32,7 +32,8 @@ pub(super) fn scan(
     console: &mut Console<'_>,
 ) -> Result<(), Error> {
     let Motion { entry, changes, job, setup } = motion;
-    let scans = asked.iter().map(|text| Scan::parse(entry, text)).collect::<Result<Vec<_>, _>>()?;
+    let scans = asked.iter().map(|text| Scan::parse(entry, setup.input.as_deref(), text));
+    let scans = scans.collect::<Result<Vec<_>, _>>()?;
     let points = Scan::grid(&scans)?;
     // else all of them would fail in the same way
     stepper(entry, entry.system(&setup.parameters), setup.input.clone(), job)?;
@@ -75,8 +76,11 @@ pub(super) fn scan(
 }
 
 /// The names and units of the errors.
-fn conserved(entry: &Entry) -> Vec<(&'static str, &'static str)> {
-    std::iter::once(("energy", entry.energy_unit)).chain(entry.casimirs()).collect()
+fn errors(entry: &Entry, rows: &[ScanRow]) -> Vec<(String, &'static str)> {
+    let is_conserved = rows.iter().flat_map(|row| &row.outcome).all(|outcome| outcome.conserves_energy);
+    let energy = if is_conserved { "error of energy" } else { "change of energy" };
+    let casimirs = entry.casimirs().map(|(name, unit)| (format!("error of {name}"), unit));
+    std::iter::once((energy.to_owned(), entry.energy_unit)).chain(casimirs).collect()
 }
 
 /// Lays out the table for the terminal: the columns that fit.
@@ -90,9 +94,9 @@ fn shown(entry: &Entry, scans: &[Scan], rows: &[ScanRow]) -> String {
         let cells = rows.iter().map(|row| row.outcome.as_ref().map_or_else(|_| "–".to_owned(), cell));
         (name, cells.collect::<Vec<_>>())
     };
-    for (i, (name, unit)) in conserved(entry).into_iter().enumerate() {
+    for (i, (name, unit)) in errors(entry, rows).into_iter().enumerate() {
         let cell = |outcome: &Outcome| magnitude(outcome.errors().nth(i).unwrap_or(f64::NAN));
-        columns.push(of(with_unit(&format!("error of {name}"), unit), &cell));
+        columns.push(of(with_unit(&name, unit), &cell));
     }
     if scans.iter().any(|scan| scan.is_step) {
         let cell = |outcome: &Outcome| match &outcome.difference {
@@ -132,9 +136,11 @@ fn shown(entry: &Entry, scans: &[Scan], rows: &[ScanRow]) -> String {
 /// All of it: values, errors, iterations, times, the end state, the reason of a failure.
 fn records(entry: &Entry, scans: &[Scan], rows: &[ScanRow]) -> Vec<Vec<String>> {
     let mut header: Vec<String> = scans.iter().map(|scan| scan.name.clone()).collect();
-    header.extend(conserved(entry).into_iter().map(|(name, _)| format!("error of {name}")));
+    header.extend(errors(entry, rows).into_iter().map(|(name, _)| name));
     let is_step = scans.iter().any(|scan| scan.is_step);
-    header.extend(is_step.then(|| "difference of end state".to_owned()));
+    header.extend(
+        ["difference of end state", "its unit"].iter().filter(|_| is_step).map(|name| (*name).to_owned()),
+    );
     header.extend(["seconds", "iterations per step", "ns per step"].map(str::to_owned));
     header.extend(components(entry.description.state).map(|component| format!("end {}", component.name)));
     header.push("failure".to_owned());
@@ -142,10 +148,14 @@ fn records(entry: &Entry, scans: &[Scan], rows: &[ScanRow]) -> Vec<Vec<String>> 
         let mut record: Vec<String> = row.values.iter().map(|value| format!("{value:?}")).collect();
         match &row.outcome {
             Ok(outcome) => {
-                let difference = outcome.difference.as_ref().map(|difference| difference.distance);
+                let written = |number: f64| format!("{number:?}");
+                record.extend(outcome.errors().map(written));
+                let difference = outcome.difference.iter();
+                record.extend(
+                    difference.flat_map(|difference| [written(difference.distance), difference.unit()]),
+                );
                 let costs = [outcome.seconds, outcome.iterations, outcome.ns_per_step];
-                let numbers = outcome.errors().chain(difference).chain(costs);
-                record.extend(numbers.chain(outcome.end.iter().copied()).map(|number| format!("{number:?}")));
+                record.extend(costs.into_iter().chain(outcome.end.iter().copied()).map(written));
                 record.push(String::new());
             }
             Err(reason) => {

@@ -22,9 +22,10 @@ use crate::files::{
 use crate::page::{PageHeading, page};
 use crate::picture::{Kind, run_figure};
 use crate::record::{Curves, PageRecorder, Recorders};
-use crate::setup::{Column, Format, Job, Setup, observable};
+use crate::scene;
+use crate::setup::{Column, Format, Job, Setup, condition, observables};
 use crate::simulate::{
-    Checkpoint, ErrorEstimate, Sample, conserves_energy, error_estimate, simulate, slowed,
+    Checkpoint, ErrorEstimate, Sample, conserves_energy, energy_size, error_estimate, simulate, slowed,
 };
 
 /// Reading the clock costs more than a step: it is read once in this many.
@@ -160,6 +161,7 @@ impl Session {
         interrupt::listen();
         let entry = &observed(entry, &plan)?;
         let columns = plan.columns(entry)?;
+        plan.html.as_ref().map_or(Ok(()), |_| scene::check(entry, &plan.setup.parameters))?;
         let (files, guard) = claimed(entry, &plan, checkpoint)?;
         let (step, steps) = (plan.job.step, plan.job.total());
         let curves = plan.plot.then(|| Curves::new(entry, (step, steps)));
@@ -229,7 +231,7 @@ impl Session {
         let mut is_new = from.is_none();
         let mut failure = None;
         // an error's peak may be as short as one step, but to look at a step takes several times as long as the step
-        let until = self.plan.until.as_deref().map(|text| observable(&entry, text)).transpose()?;
+        let until = self.plan.until.as_deref().map(|text| condition(&entry, text)).transpose()?;
         let interval = if self.plan.watch || until.is_some() { 1 } else { self.plan.every };
         let next = |index: u64| {
             let after = |interval: u64| (index / interval + 1).saturating_mul(interval);
@@ -307,7 +309,7 @@ impl Session {
 
     /// Writes the trajectory, the pictures and the page.
     fn write(self, report: RunReport) -> Result<FinishedRun, Error> {
-        let Self { entry, plan, files, guard, mut recorders, rows, end, ended, .. } = self;
+        let Self { entry, mut plan, files, guard, mut recorders, rows, end, ended, .. } = self;
         let Some(conservation) = recorders.conservation.take() else {
             return Err(SetupError::new("the run has no samples").into());
         };
@@ -315,6 +317,10 @@ impl Session {
         let interrupted = (steps < plan.job.total() && !ended).then_some(steps);
         if let (true, Some(curves)) = (ended, &mut recorders.curves) {
             curves.span = (time.min(0.0), time.max(0.0));
+        }
+        if ended && steps < plan.job.total() {
+            // what is said of the run is said of the steps that it took
+            plan.job = Job { steps, rest: 0.0, ..plan.job };
         }
         let mut contents = Vec::new();
         let mut store = None;
@@ -338,6 +344,7 @@ impl Session {
             Some(_) => None,
         };
         let guard = guard.with_error_estimate(estimate.as_ref().map(ErrorEstimate::words));
+        let guard = guard.with_end(ended.then_some((steps, time)));
         let Written { files: written, kept } = guard.put(contents, status)?;
         if let (Some(store), None) = (store, interrupted) {
             store.remove();
@@ -351,12 +358,14 @@ impl Session {
         let notes = kept.chain(slowed).chain(until).collect();
         let off_group = recorders.off_group;
         let conserves_energy = conserves_energy(&entry, &plan.setup, (time, &end));
+        let energy_size = energy_size(&entry, &plan.setup, (time, &end));
         let summary = RunSummary {
             job: plan.job,
             report,
             conservation,
             estimate,
             conserves_energy,
+            energy_size,
             off_group,
             time_per_step: None,
         };
@@ -364,16 +373,18 @@ impl Session {
     }
 }
 
-/// Adds the quantities asked for to those of the system.
+/// Adds the quantities asked for to those of the system, and looks at the condition.
 fn observed(entry: &Entry, plan: &Plan) -> Result<Entry, SetupError> {
-    let own = plan.quantity.iter().map(|text| observable(entry, text)).collect::<Result<Vec<_>, _>>()?;
+    let own = observables(entry, &plan.quantity)?;
     let is_known = |column: &&String| own.iter().any(|own| own.name == **column);
     if let Some(name) = entry.columns().iter().find(is_known) {
         return Err(SetupError::new(format!(
             "`{name}` is a column already: name it otherwise, as in `own = {name}`"
         )));
     }
-    Ok(entry.clone().with_observables(own))
+    let entry = entry.clone().with_observables(own);
+    plan.until.as_deref().map_or(Ok(()), |text| condition(&entry, text).map(|_| ()))?;
+    Ok(entry)
 }
 
 /// Lists the files of a run, looked at before it starts, and what guards them.

@@ -3,6 +3,8 @@
 use std::io;
 use std::path::{MAIN_SEPARATOR, Path, PathBuf};
 
+use serde_json::{Value, json};
+
 use super::path::{is_special, is_stdout, resolved};
 use super::run_json::{Beside, FileOrigin, RunJson, Status};
 use super::write::{NewFile, make_directory_of};
@@ -14,6 +16,7 @@ pub struct OverwriteGuard {
     origin: FileOrigin,
     force: bool,
     error_estimate: Option<String>,
+    ended: Option<Value>,
 }
 
 /// A file of a command, and what it is to it.
@@ -38,12 +41,17 @@ pub(crate) struct Written {
 impl OverwriteGuard {
     /// Guards files of this origin.
     pub fn new(origin: FileOrigin, force: bool) -> Self {
-        Self { origin, force, error_estimate: None }
+        Self { origin, force, error_estimate: None, ended: None }
     }
 
     /// Says in words beside the files how large the error of the trajectory is.
     pub(crate) fn with_error_estimate(self, words: Option<String>) -> Self {
         Self { error_estimate: words, ..self }
+    }
+
+    /// Says beside the files after how many steps, and when, a condition ended the run.
+    pub(crate) fn with_end(self, end: Option<(u64, f64)>) -> Self {
+        Self { ended: end.map(|(steps, time)| json!({ "steps": steps, "time": time })), ..self }
     }
 
     /// Tells what makes the files.
@@ -160,6 +168,7 @@ impl OverwriteGuard {
             };
             if status == Status::Complete {
                 json.error_estimate.clone_from(&self.error_estimate);
+                json.ended.clone_from(&self.ended);
             }
             if status != Status::Begun || !json.has(path) || !path.exists() {
                 json.set(path, status);

@@ -371,6 +371,9 @@ pub(crate) struct RunJson {
     /// How large the error of its trajectory is, in words.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) error_estimate: Option<String>,
+    /// Where a condition ended it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) ended: Option<Value>,
 }
 
 /// The content of the place of a file's `NAME.run.json`.
@@ -394,7 +397,7 @@ const COMPLETE: &str = "complete";
 impl RunJson {
     /// Begins one of no files yet.
     pub(super) fn of(origin: FileOrigin) -> Self {
-        Self { origin, files: BTreeMap::new(), error_estimate: None }
+        Self { origin, files: BTreeMap::new(), error_estimate: None, ended: None }
     }
 
     /// Reads what stands beside a file, and tells where that is.

@@ -48,10 +48,8 @@ impl TrajectoryWriter {
                 #[cfg(feature = "parquet")]
                 Format::Parquet => Box::new(Parquet::new(file, &columns, origin)?),
                 #[cfg(not(feature = "parquet"))]
-                Format::Parquet => {
-                    let missing = "this program was built without `--features parquet`";
-                    return Err(io::Error::new(io::ErrorKind::Unsupported, missing));
-                }
+                // [checked](Format::checked) before
+                Format::Parquet => return Err(io::ErrorKind::Unsupported.into()),
             })
         };
         let rows = rows().map_err(|source| failure(path, source))?;

@@ -106,6 +106,7 @@ impl Trajectory {
         let format = Format::of_extension(&extension).ok_or_else(|| {
             SetupError::new(format!("{}: there is no format of tables `{extension}`", path.display()))
         })?;
+        let format = format.checked()?;
         let Some(first) = self.samples.0.first() else {
             return Err(SetupError::new("a trajectory without a state is no table").into());
         };

@@ -8,6 +8,7 @@ use crate::catalogue::Entry;
 use crate::catalogue::casimir::symbols;
 use crate::catalogue::plotted::PlottedQuantity;
 use crate::catalogue::shape::{Shape, Solid};
+use crate::error::SetupError;
 
 /// Builds the scene of a system with these parameters.
 pub(crate) fn scene(entry: &Entry, parameters: &[f64]) -> Scene {
@@ -26,6 +27,32 @@ pub(crate) fn scene(entry: &Entry, parameters: &[f64]) -> Scene {
         }
     }
     scene
+}
+
+/// Checks that the scene of a system with these parameters speaks of bodies and quantities that there are.
+///
+/// # Errors
+/// If it does not.
+pub(crate) fn check(entry: &Entry, parameters: &[f64]) -> Result<(), SetupError> {
+    let scene = scene(entry, parameters);
+    let wrong = |what: String| Err(SetupError::new(format!("the scene of `{}` {what}", entry.name)));
+    let ends = scene.links.iter().flat_map(|link| [link.from.body, link.to.body]);
+    let bodies = ends.chain(scene.arrows.iter().map(|arrow| arrow.body)).flatten().chain(scene.missing);
+    // arrows start from the first body, or from space
+    if let Some(body) = bodies.into_iter().find(|body| *body >= scene.bodies.len().max(1)) {
+        let known = scene.bodies.iter().enumerate().map(|(k, body)| format!("{k} `{}`", body.name));
+        return wrong(format!("has no body {body}: it has {}", known.collect::<Vec<_>>().join(", ")));
+    }
+    for (k, body) in scene.bodies.iter().enumerate() {
+        if let Some((on, ..)) = body.mount.filter(|(on, ..)| *on >= k) {
+            return wrong(format!("has body {k} on body {on}, which does not come before it"));
+        }
+        let mut sources = body.rotation.iter().chain(&body.position).map(Source::quantity);
+        if let Some(name) = sources.find(|name| entry.plotted.find(name).is_none()) {
+            return wrong(format!("moves body {k} by `{name}`, which is no part of the state"));
+        }
+    }
+    Ok(())
 }
 
 /// A body for each configuration, with its momenta, and what the first body sees of space.
@@ -120,4 +147,44 @@ pub(crate) fn axes(entry: &Entry, scene: &Scene) -> Option<[String; 3]> {
         _ => return None,
     };
     Some(axes.map(str::to_owned))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::catalogue;
+
+    #[test]
+    fn a_scene_that_speaks_of_what_is_not_there_is_refused() {
+        let top = catalogue().system("heavy_top").expect("it is there");
+        let checked = |scene: fn(&[f64], Scene) -> Scene| {
+            let mut entry = top.clone();
+            entry.scene = scene;
+            check(&entry, &top.example.parameters).map_err(|error| error.to_string())
+        };
+        assert_eq!(checked(|_, by_state| by_state.bob(0, 1.0).weight(0, 1.0, Vector3::zeros())), Ok(()));
+        assert_eq!(
+            checked(|_, by_state| by_state.body(Body::moving("gamma")).hang(1, 0, Vector3::x())),
+            Ok(())
+        );
+        for (scene, reason) in [
+            (
+                (|_, by_state| by_state.solid(1, None)) as fn(&[f64], Scene) -> Scene,
+                "has no body 1: it has 0 `body`",
+            ),
+            (|_, by_state| by_state.rod(Vector3::x(), 2, Vector3::x()), "has no body 2"),
+            (|_, by_state| by_state.weight(3, 1.0, Vector3::x()), "has no body 3"),
+            (
+                |_, by_state| by_state.hang(0, 0, Vector3::x()),
+                "has body 0 on body 0, which does not come before it",
+            ),
+            (
+                |_, by_state| by_state.body(Body::moving("tip")),
+                "moves body 1 by `tip`, which is no part of the state",
+            ),
+        ] {
+            let error = checked(scene).expect_err(reason);
+            assert!(error.starts_with("the scene of `heavy_top` ") && error.contains(reason), "{error}");
+        }
+    }
 }

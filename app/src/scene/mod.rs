@@ -9,7 +9,7 @@ mod frames;
 pub use frames::Track;
 #[cfg(feature = "program")]
 pub(crate) use {
-    default::{axes, scene},
+    default::{axes, check, scene},
     frames::{Frames, rounded},
 };
 

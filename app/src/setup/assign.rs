@@ -1,15 +1,17 @@
 //! `--set name=value`: parameters, the initial state and controls, by the names of their quantities or single
 //! components.
 
+use std::sync::Arc;
+
 use coadjoint::system::{Quantity, Role};
 
 use super::form::{RotationForm, others, stored};
-use super::names::{Names, Part, count, named, numbers, velocity};
+use super::names::{Name, Names, Part, count, named, numbers, velocity};
 use super::rotation::normalize;
 use super::transport::moved;
 use super::{Setup, check};
-use crate::catalogue::Entry;
 use crate::catalogue::quantities::{Component, components};
+use crate::catalogue::{Entry, Input};
 use crate::error::{RunError, SetupError};
 use crate::units::listed;
 
@@ -49,7 +51,12 @@ impl<'e> Changes<'e> {
                 Some((form, value)) => (Some(RotationForm::named(form)?), value),
                 None => (None, value),
             };
-            self.assign_form(Names::ALL, name, form, &numbers(name, value)?)?;
+            let is_angle = ["deg", "°", "rad"].iter().any(|unit| value.contains(unit));
+            let numbers = numbers(assignment, value).map_err(|error| match is_angle {
+                true => SetupError::new(format!("{error}: angles are numbers, in rad")),
+                false => error,
+            })?;
+            self.assign_form(Names::ALL, name, form, &numbers)?;
         }
         Ok(())
     }
@@ -73,7 +80,12 @@ impl<'e> Changes<'e> {
         form: Option<RotationForm>,
         numbers: &[f64],
     ) -> Result<(), SetupError> {
-        let target = named(self.entry, which, name)?;
+        let target = match named(self.entry, which, name) {
+            Err(_) if form.is_none() && array(self.entry, which, name).next().is_some() => {
+                return self.assign_array(which, name, numbers);
+            }
+            target => target?,
+        };
         if let Some(number) = numbers.iter().find(|number| !number.is_finite()) {
             return Err(SetupError::new(format!("`{name}` must be finite, got `{number}`")));
         }
@@ -84,13 +96,14 @@ impl<'e> Changes<'e> {
         };
         let Some(numbers) = stored else {
             let others = if is_whole { others(target.quantity) } else { String::new() };
-            let reason = match form.is_some() && !others.contains("euler") {
-                true => format!("`{name}` is no rotation in space"),
-                false => {
-                    format!("`{name}` takes {}, got {}{others}", count(slots.len()), count(numbers.len()))
+            let got = count(numbers.len());
+            return Err(SetupError::new(match form {
+                Some(_) if !others.contains("euler") => format!("`{name}` is no rotation in space"),
+                Some(form) => {
+                    format!("`{name}={}:…` takes {}, got {got}", form.name(), count(slots.len() - 1))
                 }
-            };
-            return Err(SetupError::new(reason));
+                None => format!("`{name}` takes {}, got {got}{others}", count(slots.len())),
+            }));
         };
         match target.part {
             Part::Parameters => self.setup.parameters[slots].copy_from_slice(&numbers),
@@ -110,6 +123,29 @@ impl<'e> Changes<'e> {
         Ok(())
     }
 
+    /// Sets all elements of an array, one after the other.
+    fn assign_array(&mut self, which: Names, name: &str, numbers: &[f64]) -> Result<(), SetupError> {
+        let length = array(self.entry, which, name).map(|element| element.slots.len()).sum();
+        if numbers.len() != length {
+            let (takes, got) = (count(length), count(numbers.len()));
+            return Err(SetupError::new(format!(
+                "`{name}` takes {takes}, got {got}; its elements are `{name}_0`, …"
+            )));
+        }
+        let mut rest = numbers;
+        for element in array(self.entry, which, name) {
+            let (own, others) = rest.split_at(element.slots.len());
+            self.assign(which, &element.name, own)?;
+            rest = others;
+        }
+        Ok(())
+    }
+
+    /// Drives controls by a table.
+    pub(crate) fn drive(&mut self, input: Input) {
+        self.setup.input = Some(Arc::new(input));
+    }
+
     /// Shows the setup so far, as it was given.
     #[cfg(test)]
     pub(crate) fn setup(&self) -> &Setup {
@@ -120,11 +156,13 @@ impl<'e> Changes<'e> {
     /// configurations that were given, unless it was given too.
     ///
     /// # Errors
-    /// If a rotation is zero, no stepper can be built with the parameters, or the energy of the state is no number.
+    /// If a rotation is zero, a control is held that a table drives, no stepper can be built with the parameters, or the energy of the
+    /// state is no number.
     pub(crate) fn finish(self) -> Result<(Setup, Vec<String>), RunError> {
         let Self { entry, mut setup, given, velocities } = self;
         let mut notes = normalize(entry, &mut setup)?;
         notes.extend(check(entry, &setup)?);
+        notes.extend(undriven(entry, &setup)?);
         notes.extend(turn_along(entry, &mut setup, &given));
         move_at(entry, &mut setup, &given, &velocities)?;
         notes.extend(other_casimirs(entry, &setup));
@@ -139,6 +177,37 @@ impl<'e> Changes<'e> {
         }
         Ok((setup, notes))
     }
+}
+
+/// Lists the elements of an array of this name.
+fn array(entry: &Entry, which: Names, name: &str) -> impl Iterator<Item = Name> {
+    (0..).map_while(move |k| named(entry, which, &format!("{name}_{k}")).ok())
+}
+
+/// Checks that no control is held that a table drives; notes those that neither is said of.
+fn undriven(entry: &Entry, setup: &Setup) -> Result<Option<String>, SetupError> {
+    let Some(input) = &setup.input else { return Ok(None) };
+    let file = input.file.display();
+    let mut zero = Vec::new();
+    for (control, held) in components(entry.description.controls).zip(&setup.controls) {
+        match (input.drives(control.slot), held) {
+            (true, Some(_)) => return Err(driven(&control.name, input)),
+            (false, None) => zero.push(control.name),
+            _ => {}
+        }
+    }
+    Ok((!zero.is_empty()).then(|| {
+        let names = zero.join("`, `");
+        format!("{file} has no column for `{names}`: each is 0 unless `--set` holds it")
+    }))
+}
+
+/// Says that a control is a column of a table.
+pub(super) fn driven(control: &str, input: &Input) -> SetupError {
+    let file = input.file.display();
+    SetupError::new(format!(
+        "`{control}` is a column of {file}, and cannot be set too: leave out one of them"
+    ))
 }
 
 /// Sets momenta to those of the velocities that were given; the others keep theirs.

@@ -5,11 +5,12 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use coadjoint::erased::System;
-use coadjoint::system::{Kind, Quantity};
+use coadjoint::system::{Kind, Quantity, Role};
 use nalgebra::{DMatrix, Quaternion, UnitQuaternion};
 use syn::punctuated::Punctuated;
 use syn::{BinOp, Expr, Lit, Member, Token, UnOp};
 
+use super::names::velocity;
 use crate::catalogue::quantities::{component_name, component_unit, components};
 use crate::catalogue::suggest::did_you_mean;
 use crate::catalogue::{Entry, Observable, unit};
@@ -100,6 +101,11 @@ pub(crate) fn observable(entry: &Entry, text: &str) -> Result<Observable, SetupE
     if name.is_empty() {
         return Err(wrong("a name stands before `=`".to_owned()));
     }
+    if sign.is_some() && name.contains(char::is_whitespace) {
+        return Err(wrong(
+            "a name is one word, and behind it may stand a comma and a unit: `height, m = …`".to_owned(),
+        ));
+    }
     if body.matches(|letter| "([{-+*/!&|<>.".contains(letter)).count() > MOST_SIGNS {
         return Err(wrong(format!("an expression has at most {MOST_SIGNS} brackets and operators")));
     }
@@ -132,6 +138,46 @@ pub(crate) fn observable(entry: &Entry, text: &str) -> Result<Observable, SetupE
         number(system, state, time, control).unwrap_or(f64::NAN)
     };
     Ok(Observable::new(name, unit, of))
+}
+
+/// Reads quantities of a user's own, each of another name.
+///
+/// # Errors
+/// As [`observable`], or if two have one name.
+pub(crate) fn observables(entry: &Entry, texts: &[String]) -> Result<Vec<Observable>, SetupError> {
+    let own = texts.iter().map(|text| observable(entry, text)).collect::<Result<Vec<_>, _>>()?;
+    let is_second = |&k: &usize| own[..k].iter().any(|before| before.name == own[k].name);
+    match (0..own.len()).find(is_second) {
+        Some(k) => Err(SetupError::new(format!("there are two quantities `{}`", own[k].name))),
+        None => Ok(own),
+    }
+}
+
+/// Reads a condition: a quantity that is 1 where it holds and 0 elsewhere.
+///
+/// # Errors
+/// As [`observable`], or if it is no comparison.
+pub(crate) fn condition(entry: &Entry, text: &str) -> Result<Observable, SetupError> {
+    let own = observable(entry, text)?;
+    match own.name == text.trim() && syn::parse_str(text).is_ok_and(|of| is_truth(&of)) {
+        true => Ok(own),
+        false => Err(SetupError::new(format!(
+            "`{text}` is no condition: write a comparison, as in `energy < 0.5`"
+        ))),
+    }
+}
+
+/// Whether an expression says that something holds.
+fn is_truth(expression: &Expr) -> bool {
+    match expression {
+        Expr::Paren(inner) => is_truth(&inner.expr),
+        Expr::Unary(unary) => matches!(unary.op, UnOp::Not(_)) && is_truth(&unary.expr),
+        Expr::Binary(binary) => match binary.op {
+            BinOp::And(_) | BinOp::Or(_) => is_truth(&binary.left) && is_truth(&binary.right),
+            operator => matches!(operator, BinOp::Lt(_) | BinOp::Le(_) | BinOp::Gt(_) | BinOp::Ge(_)),
+        },
+        _ => false,
+    }
 }
 
 /// The unit of an expression, where it is that of a quantity in it.
@@ -179,7 +225,7 @@ fn compiled(entry: &Entry, expression: &Expr) -> Result<Compiled, String> {
     match expression {
         Expr::Paren(inner) => compiled(&inner.expr),
         Expr::Group(inner) => compiled(&inner.expr),
-        Expr::Reference(inner) => compiled(&inner.expr),
+        Expr::Reference(inner) if !matches!(*inner.expr, Expr::Reference(_)) => compiled(&inner.expr),
         Expr::Lit(literal) => {
             let value: f64 = match &literal.lit {
                 Lit::Float(value) => value.base10_parse(),
@@ -189,16 +235,20 @@ fn compiled(entry: &Entry, expression: &Expr) -> Result<Compiled, String> {
             .map_err(|error| error.to_string())?;
             Ok(Box::new(move |_| Ok(number(value))))
         }
-        Expr::Path(path) => {
-            let name = path.path.segments.last().map(|last| last.ident.to_string()).unwrap_or_default();
-            named(entry, &name)
-        }
+        Expr::Path(path) => match (path.path.get_ident(), path.path.segments.last()) {
+            (None, Some(last)) if constant(&last.ident.to_string()).is_none() => {
+                Err(format!("there is no constant `{}`", last.ident))
+            }
+            (_, last) => named(entry, &last.map(|last| last.ident.to_string()).unwrap_or_default()),
+        },
         Expr::Unary(unary) => {
             let of = compiled(&unary.expr)?;
             match unary.op {
                 UnOp::Neg(_) => Ok(Box::new(move |at| Ok(-of(at)?))),
-                UnOp::Not(_) => Ok(Box::new(move |at| Ok(number(f64::from(of(at)?[0] == 0.0))))),
-                _ => compiled(&unary.expr),
+                UnOp::Not(_) => {
+                    Ok(Box::new(move |at| numbers("`!`", &of(at)?, &number(0.0), |a, b| f64::from(a == b))))
+                }
+                _ => Err("`*` stands between two factors; a power is `.powi(2)`".to_owned()),
             }
         }
         Expr::Binary(binary) => {
@@ -215,6 +265,7 @@ fn compiled(entry: &Entry, expression: &Expr) -> Result<Compiled, String> {
                 BinOp::Sub(_) => return Ok(Box::new(move |at| sum(left(at)?, -right(at)?))),
                 BinOp::Mul(_) => return Ok(Box::new(move |at| product(left(at)?, right(at)?))),
                 BinOp::Div(_) => return Ok(Box::new(move |at| quotient(left(at)?, right(at)?))),
+                BinOp::BitXor(_) => return Err("a power is `.powi(2)`".to_owned()),
                 _ => return Err("operators are + - * / and, of numbers, < <= > >= && ||".to_owned()),
             };
             Ok(Box::new(move |at| {
@@ -222,25 +273,23 @@ fn compiled(entry: &Entry, expression: &Expr) -> Result<Compiled, String> {
             }))
         }
         Expr::Field(field) => {
-            let of = compiled(&field.base)?;
-            let component = match &field.member {
-                Member::Named(name) => name.to_string(),
-                Member::Unnamed(index) => index.index.to_string(),
+            let Member::Named(component) = &field.member else {
+                return Err("a component has a name, or stands in brackets: `v[0]`".to_owned());
             };
-            let own = match &*field.base {
-                Expr::Path(path) => path.path.get_ident().map(|name| format!("{name}_{component}")),
-                _ => None,
-            };
-            // by the names of tables, or those of vectors
-            if let Some(of) = own.and_then(|name| named(entry, &name).ok()) {
-                return Ok(of);
-            }
+            let component = component.to_string();
             let place = ["x", "y", "z", "w", "a", "b"].iter().position(|known| *known == component);
-            Ok(Box::new(move |at| {
-                let value = of(at)?;
-                let known = place.and_then(|place| value.get(place)).filter(|_| value.ncols() == 1);
-                known.copied().map(number).ok_or_else(|| format!("there is no component `{component}`"))
-            }))
+            element(entry, &field.base, component, place.map(|place| (place, None)))
+        }
+        Expr::Index(index) => {
+            let place = match &*index.index {
+                Expr::Tuple(both) if both.elems.len() == 2 => {
+                    whole(&both.elems[0]).zip(whole(&both.elems[1]).map(Some))
+                }
+                one => whole(one).map(|place| (place, None)),
+            };
+            let (row, column) = place.ok_or("an index is a whole number, or two of a matrix: `m[(0, 1)]`")?;
+            let name = column.map_or(row.to_string(), |column| format!("{row}, {column}"));
+            element(entry, &index.expr, name, place)
         }
         Expr::MethodCall(call) => {
             let arguments = std::iter::once(&*call.receiver).chain(&call.args);
@@ -272,12 +321,51 @@ fn compiled(entry: &Entry, expression: &Expr) -> Result<Compiled, String> {
     }
 }
 
+/// The whole number that is written there.
+fn whole(expression: &Expr) -> Option<usize> {
+    match expression {
+        Expr::Lit(literal) => match &literal.lit {
+            Lit::Int(value) => value.base10_parse().ok(),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// An element of a quantity, by the names of tables, or of any vector or matrix by its row, and of a matrix its column.
+fn element(
+    entry: &Entry,
+    of: &Expr,
+    component: String,
+    place: Option<(usize, Option<usize>)>,
+) -> Result<Compiled, String> {
+    let own = match of {
+        Expr::Path(path) => path.path.get_ident().map(|name| format!("{name}_{component}")),
+        _ => None,
+    };
+    if let Some(of) = own.and_then(|name| named(entry, &name).ok()) {
+        return Ok(of);
+    }
+    let of = compiled(entry, of)?;
+    Ok(Box::new(move |at| {
+        let value = of(at)?;
+        let is_there = |&(_, column): &(usize, Option<usize>)| column.is_some() || value.ncols() == 1;
+        let known = place.filter(is_there).and_then(|(row, column)| value.get((row, column.unwrap_or(0))));
+        known.copied().map(number).ok_or_else(|| format!("there is no component `{component}`"))
+    }))
+}
+
+/// The value of a constant.
+fn constant(name: &str) -> Option<f64> {
+    let constants =
+        [("PI", std::f64::consts::PI), ("TAU", std::f64::consts::TAU), ("E", std::f64::consts::E)];
+    constants.iter().find(|(known, _)| *known == name).map(|(_, value)| *value)
+}
+
 /// Finds what a name stands for.
 fn named(entry: &Entry, name: &str) -> Result<Compiled, String> {
     type List = for<'a> fn(&At<'a>) -> Cow<'a, [f64]>;
-    let constants =
-        [("PI", std::f64::consts::PI), ("TAU", std::f64::consts::TAU), ("E", std::f64::consts::E)];
-    if let Some(&(_, value)) = constants.iter().find(|(known, _)| *known == name) {
+    if let Some(value) = constant(name) {
         return Ok(Box::new(move |_| Ok(number(value))));
     }
     match name {
@@ -312,9 +400,25 @@ fn named(entry: &Entry, name: &str) -> Result<Compiled, String> {
             return Ok(Box::new(move |at| Ok(number(list(at).get(slot).copied().unwrap_or(0.0)))));
         }
     }
+    let momenta = || description.state.iter().filter(|quantity| quantity.role == Role::Momentum);
+    for quantity in momenta() {
+        let mut slots = quantity.tangent();
+        let is_it = |part: &&str| velocity(&component_name(quantity, part)) == name;
+        if let Some(part) = quantity.components.iter().position(is_it) {
+            slots = slots.start + part..slots.start + part + 1;
+        } else if velocity(quantity.name) != name {
+            continue;
+        }
+        return Ok(Box::new(move |at| {
+            let velocities = at.system.differential(at.state, at.time, at.control);
+            Ok(Value::from_column_slice(slots.len(), 1, &part(&velocities, slots.clone())))
+        }));
+    }
+    let velocities: Vec<String> = momenta().map(|quantity| velocity(quantity.name)).collect();
     let whole = lists.into_iter().flat_map(|(quantities, _)| quantities).map(|quantity| quantity.name);
     let own = entry.observables.iter().map(|own| own.name.as_str());
-    let known: Vec<&str> = ["t", "energy"].into_iter().chain(whole).chain(own).collect();
+    let velocities = velocities.iter().map(String::as_str);
+    let known: Vec<&str> = ["t", "energy"].into_iter().chain(whole).chain(velocities).chain(own).collect();
     let parts =
         lists.into_iter().flat_map(|(quantities, _)| components(quantities).map(|component| component.name));
     let parts: Vec<String> = parts.collect();
@@ -352,7 +456,10 @@ fn shapes(what: &str, a: &Value, b: &Value) -> String {
         (rows, 1) => format!("a vector of {rows}"),
         (rows, columns) => format!("a matrix of {rows} × {columns}"),
     };
-    format!("there is no {what} of {} and {}", words(a), words(b))
+    // of rotations
+    let is_rotation = |value: &Value| [(2, 2), (3, 3)].contains(&value.shape());
+    let hint = if is_rotation(a) || is_rotation(b) { "; the angle of a rotation is `.angle()`" } else { "" };
+    format!("there is no {what} of {} and {}{hint}", words(a), words(b))
 }
 
 fn numbers(what: &str, a: &Value, b: &Value, of: impl Fn(f64, f64) -> f64) -> Evaluated {
@@ -387,7 +494,12 @@ fn called(name: &str, arguments: Vec<Compiled>) -> Result<Compiled, String> {
     }
     if let Some(&(name, of)) = BINARY.iter().find(|(known, _)| *known == name) {
         let [first, second] = exactly(name, arguments)?;
-        return Ok(Box::new(move |at| numbers(&format!("`{name}`"), &first(at)?, &second(at)?, of)));
+        return Ok(Box::new(move |at| match (first(at)?, second(at)?) {
+            (_, power) if name == "powi" && power.len() == 1 && power[0].fract() != 0.0 => {
+                Err("`powi` takes a whole number; `powf` takes any".to_owned())
+            }
+            (first, second) => numbers(&format!("`{name}`"), &first, &second, of),
+        }));
     }
     let Some(&(name, count)) = LINEAR.iter().find(|(known, _)| *known == name) else {
         let all = UNARY
@@ -486,6 +598,8 @@ mod tests {
             ("momentum.component_div(&inertia).dot(&momentum)", 1.0 + 0.4 + 0.09),
             ("2.0 * PI * t - -3.0", 5.0 * std::f64::consts::PI + 3.0),
             ("atan2(momentum_y, momentum_x) + momentum_x.max(1.5)", 2_f64.atan() + 1.5),
+            ("gamma[2] + attitude[(0, 1)]", -0.2),
+            ("velocity.z + velocity_y + velocity[0]", 1.0 + 0.2 + 0.03),
             ("late, s = t * (t >= 2.5 && !(gamma_z > 0.9))", 2.5),
         ] {
             let found = value("heavy_top", text).expect(text);
@@ -526,6 +640,7 @@ mod tests {
             ("attitude", "a matrix of 3 × 3"),
             ("momentum + 1.0", "there is no sum of a vector of 3 and a number"),
             ("momentum.dot(&attitude)", "no `dot` of a vector of 3 and a matrix of 3 × 3"),
+            ("attitude < 0", "of a matrix of 3 × 3 and a number; the angle of a rotation is `.angle()`"),
             ("momentum.q", "there is no component `q`"),
             ("momentum.norm(1.0)", "`norm` takes 1 arguments"),
             ("momentum.sin()", "`sin` is a function of a number"),
@@ -536,10 +651,35 @@ mod tests {
             ("\"t\"", "expressions are of numbers"),
             ("vector![]", "is made of numbers"),
             ("t % 2", "operators are"),
+            ("gamma_z**2", "`*` stands between two factors; a power is `.powi(2)`"),
+            ("gamma_z^2", "a power is `.powi(2)`"),
+            ("t > 1 && &&t", "expressions are made of"),
+            ("t.powi(2.5)", "`powi` takes a whole number; `powf` takes any"),
+            ("!gamma", "there is no `!` of a vector of 3 and a number"),
+            ("nowhere::gamma_z", "there is no constant `gamma_z`"),
+            ("gamma[3]", "there is no component `3`"),
+            ("gamma[t]", "an index is a whole number"),
+            ("attitude[0]", "there is no component `0`"),
+            ("height m = gamma.z", "a name is one word"),
         ] {
             let error = value("heavy_top", text).expect_err(text);
             assert!(error.contains(reason), "{text}: {error}");
         }
+        let top = catalogue().system("heavy_top").expect("it is there");
+        for (text, is_one) in [
+            ("gamma_z < 0", true),
+            ("!(t > 1 && (gamma_z <= 0 || energy >= 2))", true),
+            ("gamma_z", false),
+            ("gamma_z = 0", false),
+            ("late = t > 1", false),
+            ("t > 1 && gamma_z", false),
+            ("1 - (t > 1)", false),
+        ] {
+            assert_eq!(condition(top, text).is_ok(), is_one, "{text}");
+        }
+        let twice = ["L = t".to_owned(), "L = 2 * t".to_owned()];
+        let error = observables(top, &twice).map(|_| ()).expect_err("two of one name").to_string();
+        assert_eq!(error, "there are two quantities `L`");
         let error = value("rigid_body_in_space", "pose").expect_err("a motion");
         assert!(error.contains("take the components of `pose`: pose_w, pose_x"), "{error}");
         // however deep

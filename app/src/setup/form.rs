@@ -30,6 +30,15 @@ impl RotationForm {
         })
     }
 
+    /// Its name.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Euler => "euler",
+            Self::Rotvec => "rotvec",
+            Self::Mrp => "mrp",
+        }
+    }
+
     fn read(self, [x, y, z]: [f64; 3]) -> UnitQuaternion<f64> {
         let vector = Vector3::new(x, y, z);
         match self {

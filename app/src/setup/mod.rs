@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 
 pub(crate) use assign::{Changes, assignments};
 pub use column::Column;
-pub(crate) use expression::observable;
+pub(crate) use expression::{condition, observable, observables};
 pub(crate) use method::MethodParser;
 pub use method::{Classical, Method};
 pub(crate) use names::Names;
@@ -251,6 +251,16 @@ impl Format {
         }
     }
 
+    /// Checks that this program writes it.
+    pub(crate) fn checked(self) -> Result<Self, SetupError> {
+        match self {
+            Format::Parquet if !cfg!(feature = "parquet") => {
+                Err(SetupError::new("this program was built without `--features parquet`"))
+            }
+            _ => Ok(self),
+        }
+    }
+
     /// Finds the format of files with this extension.
     pub(crate) fn of_extension(extension: &str) -> Option<Self> {
         Self::from_str(extension, false).ok()
@@ -265,13 +275,15 @@ pub fn standard(entry: &Entry, retraction: Retraction) -> Method {
     }
 }
 
-/// Checks parameters; returns a note where valid ones are unphysical.
+/// Checks parameters; returns a note where valid ones are unphysical, unless they are the example's.
 ///
 /// # Errors
 /// If no stepper can be built with them.
 pub fn check(entry: &Entry, setup: &Setup) -> Result<Option<String>, ParameterError> {
     entry.system(&setup.parameters).validate()?;
-    Ok((entry.body_inertia)(&setup.parameters).and_then(|inertia| triangle_note(&inertia)))
+    let inertia = (entry.body_inertia)(&setup.parameters);
+    let is_own = inertia == (entry.body_inertia)(&entry.example.parameters);
+    Ok(inertia.filter(|_| !is_own).and_then(|inertia| triangle_note(&inertia)))
 }
 
 /// The moments of a body of mass satisfy the triangle inequality: each is at most the sum of the other two.

@@ -119,12 +119,11 @@ fn known(entry: &Entry, which: Names) -> String {
     format!("({})", known.collect::<Vec<_>>().join("; "))
 }
 
-/// Numbers separated by commas, the value of a name.
-pub(super) fn numbers(name: &str, value: &str) -> Result<Vec<f64>, SetupError> {
+/// Numbers separated by commas, the value of a name; `within` is what the user wrote.
+pub(super) fn numbers(within: &str, value: &str) -> Result<Vec<f64>, SetupError> {
     let number = |text: &str| {
         let text = text.trim();
-        text.parse::<f64>()
-            .map_err(|_| SetupError::new(format!("`{text}` is not a number (in `{name}={value}`)")))
+        text.parse::<f64>().map_err(|_| SetupError::new(format!("`{text}` is not a number (in `{within}`)")))
     };
     value.split(',').map(number).collect()
 }

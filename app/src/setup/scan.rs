@@ -1,8 +1,9 @@
 //! `--scan name=from:to:count`: the values that a parameter, a number of the initial state, a control or the step takes,
 //! one after the other.
 
-use super::names::{Names, named, numbers};
-use crate::catalogue::{Entry, component_name};
+use super::assign::driven;
+use super::names::{Name, Names, Part, named, numbers};
+use crate::catalogue::{Entry, Input, component_name};
 use crate::error::SetupError;
 
 /// No more runs than these: a table that nobody reads, and memory for it.
@@ -28,8 +29,8 @@ impl Scan {
     /// Reads `weight=1:10:20`, twenty values from 1 to 10, or `weight=1,2,5`.
     ///
     /// # Errors
-    /// If the name is not that of one number, or the values are no finite numbers.
-    pub(crate) fn parse(entry: &Entry, text: &str) -> Result<Self, SetupError> {
+    /// If the name is not that of one number, or that of a control that a table drives, or the values are no finite numbers.
+    pub(crate) fn parse(entry: &Entry, input: Option<&Input>, text: &str) -> Result<Self, SetupError> {
         let wrong = |what: &str| SetupError::new(format!("`--scan {text}`: {what}"));
         let form = "write `name=from:to:count`, as in `weight=1:10:20`, or `name=1,2,5`";
         let (name, range) = text.split_once('=').ok_or_else(|| wrong(form))?;
@@ -38,14 +39,20 @@ impl Scan {
             Err(_) if name == STEP => None,
             target => Some(target?),
         };
+        let is_driven = |target: &&Name| {
+            target.part == Part::Controls && input.is_some_and(|input| input.drives(target.slots.start))
+        };
+        if let (Some(target), Some(input)) = (target.as_ref().filter(is_driven), input) {
+            return Err(driven(&target.name, input));
+        }
         if let Some(target) = target.as_ref().filter(|target| target.slots.len() != 1) {
             let component = component_name(target.quantity, target.quantity.components[0]);
             return Err(wrong(&format!("one number is scanned at a time, as in `{component}=…`")));
         }
         let values = match range.split(':').collect::<Vec<_>>()[..] {
-            [list] => numbers(name, list)?,
+            [list] => numbers(text, list)?,
             [from, to, count] => {
-                let ends = numbers(name, &format!("{from},{to}"))?;
+                let ends = numbers(text, &format!("{from},{to}"))?;
                 let count = count.trim().parse::<usize>().map_err(|_| wrong(form))?;
                 if count == 0 || count > MOST {
                     return Err(wrong(&format!("the count must be from 1 to {MOST}, got {count}")));
@@ -104,7 +111,7 @@ mod tests {
 
     fn scan(text: &str) -> Result<Vec<f64>, String> {
         let top = catalogue().find("heavy_top").expect("it is there");
-        Scan::parse(top, text).map(|scan| scan.values).map_err(|error| error.to_string())
+        Scan::parse(top, None, text).map(|scan| scan.values).map_err(|error| error.to_string())
     }
 
     #[test]

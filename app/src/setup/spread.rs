@@ -256,7 +256,7 @@ fn width(entry: &Entry, target: &Name, value: &str) -> Result<Width, SetupError>
     let name = &target.name;
     let wrong = |what: String| Err(SetupError::new(what));
     let (text, unit) = split_unit(value);
-    let mut numbers = numbers(name, text)?;
+    let mut numbers = numbers(&format!("{name}={value}"), text)?;
     if let Some(number) = numbers.iter().find(|number| !(number.is_finite() && **number >= 0.0)) {
         return wrong(format!("a width must be finite and not negative, got {number}"));
     }

@@ -64,6 +64,10 @@ fn mistakes_are_explained() {
         ("weight=1,2", "takes one number, got 2"),
         ("chi=1,two,3", "`two` is not a number"),
         ("chi=1,,3", "`` is not a number"),
+        (
+            "attitude=rotvec:0,0,90deg",
+            "`90deg` is not a number (in `attitude=rotvec:0,0,90deg`): angles are numbers, in rad",
+        ),
         ("momentum=1,NaN,3", "must be finite, got `NaN`"),
         ("weight=inf", "must be finite"),
         ("inertia=1,-2,3", "not positive definite"),
@@ -127,7 +131,8 @@ fn rotations_are_read_and_written_in_their_forms() {
     let (setup, _) = set_in("planar_pendulum", &["angle=1"]).expect("valid");
     near(&setup.state[..2], &[cos, sin]);
     for (assignment, expected) in [
-        ("attitude=euler:1,2", "in other forms `attitude=euler:…`"),
+        ("attitude=euler:1,2", "`attitude=euler:…` takes 3 numbers separated by commas, got 2 numbers"),
+        ("attitude=1,2", "in other forms `attitude=euler:…`"),
         ("attitude=quat:1,2,3", "there is no form `quat`"),
         ("momentum=euler:1,2,3", "`momentum` is no rotation in space"),
         ("attitude_w=mrp:1,2,3", "is no rotation in space"),
@@ -204,8 +209,10 @@ fn steps_lead_to_the_end_of_a_run() {
 
 #[test]
 fn an_inertia_that_no_body_has_is_noted() {
-    let (_, notes) = set(&["inertia=1,10,100"]).expect("valid all the same");
+    let (_, notes) = set(&["inertia=1,10,101"]).expect("valid all the same");
     assert!(notes[0].contains("the largest exceeds the sum of the others"), "{notes:?}");
+    // but not where it is the example's
+    assert_eq!(set(&["weight=2"]).expect("valid").1, [""; 0]);
 }
 
 /// A rigid body in space that sees a direction of space.

@@ -50,10 +50,14 @@ impl Distance {
         largest
     }
 
-    /// Writes it with its quantity: `2.3e-6 rad of attitude`.
+    /// Names what it is measured in: `rad of attitude`, or the size of a quantity, `|position|`.
+    pub(crate) fn unit(&self) -> String {
+        if self.is_angle { format!("rad of {}", self.quantity) } else { format!("|{}|", self.quantity) }
+    }
+
+    /// Writes it with its unit: `2.3e-6 rad of attitude`, `1.1e-5 |position|`.
     pub(crate) fn words(&self) -> String {
-        let of = if self.is_angle { "rad of" } else { "of" };
-        format!("{} {of} {}", magnitude(self.distance), self.quantity)
+        format!("{} {}", magnitude(self.distance), self.unit())
     }
 }
 

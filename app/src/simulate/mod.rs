@@ -17,6 +17,7 @@ use coadjoint::composition::{KahanLi6, KahanLi8, SofroniouSpaletta10, Suzuki4};
 use coadjoint::erased::{self, StepperError};
 use coadjoint::observe::Observer;
 use coadjoint::scheme::Rule;
+use coadjoint::system::{Quantity, Role};
 use coadjoint::{Run, Scheme, Tick};
 use serde::{Deserialize, Serialize};
 
@@ -269,4 +270,21 @@ pub(crate) fn conserves_energy(entry: &Entry, setup: &Setup, (time, end): (f64, 
         force.iter().any(|component| *component != 0.0) || energy(time) != energy(time + 0.618)
     };
     entry.description.autonomous || !(acts(0.0, &setup.state) || acts(time, end))
+}
+
+/// Tells how large energies of a motion are: the largest of the energy at its start, and of the kinetic energies there and at
+/// its end.
+pub(crate) fn energy_size(entry: &Entry, setup: &Setup, (time, end): (f64, &[f64])) -> f64 {
+    let (system, law) = (entry.system(&setup.parameters), entry.law(setup));
+    let kinetic = |(time, state): (f64, &[f64])| {
+        let control = law.as_ref().map(|law| entry.chosen(law, (state, time))).unwrap_or_default();
+        let velocities = system.differential(state, time, &control);
+        let momenta = Quantity::with_ranges(entry.description.state)
+            .filter(|(quantity, _)| quantity.role == Role::Momentum);
+        let products =
+            momenta.flat_map(|(quantity, slots)| state[slots].iter().zip(&velocities[quantity.tangent()]));
+        0.5 * products.map(|(momentum, velocity)| momentum * velocity).sum::<f64>().abs()
+    };
+    let start = entry.energy(&*system, law.as_ref(), (&setup.state, 0.0)).abs();
+    start.max(kinetic((0.0, &setup.state))).max(kinetic((time, end)))
 }

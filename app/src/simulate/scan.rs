@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::{Distance, simulate};
+use super::{Distance, conserves_energy, simulate};
 use crate::catalogue::Entry;
 use crate::error::{Error, RunError};
 use crate::record::ConservationReport;
@@ -22,6 +22,7 @@ pub(crate) struct ScanRow {
 /// The result of one run.
 pub(crate) struct Outcome {
     pub(crate) conservation: ConservationReport,
+    pub(crate) conserves_energy: bool,
     pub(crate) iterations: f64,
     pub(crate) seconds: f64,
     pub(crate) ns_per_step: f64,
@@ -104,8 +105,18 @@ fn one(
     let seconds = start.elapsed().as_secs_f64();
     let ns_per_step = seconds * 1e9 / job.total().max(1) as f64;
     let conservation = conservation.ok_or(Error::Interrupted)?;
+    let conserves_energy = conserves_energy(entry, &setup, (conservation.time, &end));
     let (iterations, start) = (report.iterations_per_step(), start_state);
-    Ok(Outcome { conservation, iterations, seconds, ns_per_step, start, end, difference: None })
+    Ok(Outcome {
+        conservation,
+        conserves_energy,
+        iterations,
+        seconds,
+        ns_per_step,
+        start,
+        end,
+        difference: None,
+    })
 }
 
 /// Says that all runs failed, if they did.

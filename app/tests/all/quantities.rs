@@ -64,6 +64,43 @@ fn their_distributions_are_drawn() {
 }
 
 #[test]
+fn a_table_drives_every_run_of_a_scan_and_leaves_no_control_to_others() {
+    let scratch = Scratch::new("driven-scan");
+    scratch.write("motor.csv", b"time,motor_x\n0,0.3\n1,-0.2\n");
+    let run = ["run", "driven_pendulum", "--duration", "1", "--step", "0.01"];
+    let driven = [&run[..], &["--input", "motor.csv"]].concat();
+    let table = scratch.prints(&[&driven[..], &["--out", "-"]].concat());
+    let last = table.lines().last().expect("rows").split(',').map(|number| number.parse().expect("a number"));
+    let last: Vec<f64> = last.collect();
+    for scan in ["step=0.02,0.01", "weight=2,3"] {
+        let runs = scratch.object(&[&driven[..], &["--scan", scan]].concat());
+        let end = &runs["runs"][1]["end"];
+        assert_eq!(
+            serde_json::json!([end["angle"][0], end["angle"][1], end["momentum"]]),
+            serde_json::json!(last[1..4])
+        );
+    }
+    for more in [&["--set", "motor=0.5"][..], &["--scan", "motor=0,1"]] {
+        let error = scratch.fails(2, &[&driven[..], more].concat());
+        assert!(error.contains("is a column of motor.csv, and cannot be set too"), "{error}");
+    }
+}
+
+#[test]
+fn an_error_as_large_as_the_energy_is_not_called_bounded() {
+    let scratch = Scratch::new("lost");
+    let said = |more: &[&str]| {
+        let run = ["run", "driven_pendulum", "--set", "motor=0", "--set", "momentum=0", "--force"];
+        scratch.prints(&[&run[..], more].concat()).split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let lost = said(&["--step", "0.8", "--duration", "500"]);
+    assert!(lost.contains("energy: lost: its error is up to"), "{lost}");
+    // from rest, where the energy is zero
+    let kept = said(&["--step", "0.01", "--set", "angle=1.5707963267948966"]);
+    assert!(kept.contains("energy: bounded: its error stays from"), "{kept}");
+}
+
+#[test]
 fn a_run_ends_where_a_condition_holds() {
     let scratch = Scratch::new("until");
     let run = ["run", "heavy_top", "--step", "0.01", "--duration", "20", "--every", "7", "--plot"];
@@ -87,6 +124,13 @@ fn a_run_ends_where_a_condition_holds() {
     assert!(made.contains("\"complete\"") && !made.contains("interrupted"), "{made}");
     scratch.prints(&["run", "--again", &name, "--out", "again"]);
     assert_eq!(scratch.read(&name.replace("out", "again")), table);
+    // what is told of it is of the steps that it took
+    let told = scratch.object(&["run", "heavy_top", "--until", "t >= 0.055", "--out", "told"]);
+    let beside: serde_json::Value =
+        serde_json::from_str(&scratch.read(&scratch.named("told", "heavy_top-", ".run.json"))).expect("JSON");
+    assert_eq!((&told["steps"], &told["duration"], &told["time"]), (&6.into(), &0.06.into(), &0.06.into()));
+    assert_eq!(told["error_estimate"]["time"], 0.06);
+    assert_eq!(beside["ended"], serde_json::json!({ "steps": 6, "time": 0.06 }));
     let never = scratch.says(&["run", "heavy_top", "--duration", "1", "--until", "t > 2", "--out", "never"]);
     assert!(never.contains("holds after none of 100 steps"), "{never}");
 }
@@ -97,7 +141,7 @@ fn what_is_none_is_told_with_what_there_is() {
     for (quantity, reason) in [
         (
             "momentm",
-            "did you mean `momentum`? (t, energy, inertia, weight, angle, momentum, motor, power, and their components)",
+            "did you mean `momentum`? (t, energy, inertia, weight, angle, momentum, motor, velocity, power, and their components)",
         ),
         ("momentum_x", "is a column already"),
         ("power = t", "is a column already"),

@@ -164,7 +164,11 @@ fn what_cannot_be_is_refused() {
     for (arguments, expected) in [
         (&["view", "heavy_top", "--format", "json"][..], "unexpected argument '--format'"),
         (&["view", "heavy_top", "--checkpoint", "a"], "unexpected argument '--checkpoint'"),
-        (&["view", "heavy_top", "--every", "2"], "unexpected argument '--every'"),
+        (&["view", "heavy_top", "--every", "2"], "there is `run --every`, `ensemble --every`"),
+        (&["run", "heavy_top", "--spread", "a=1"], "found\n\n  tip: there is `ensemble --spread`\n\nUsage"),
+        (&["plot", "heavy_top"], "unrecognized subcommand 'plot'\n\n  tip: there is `run --plot`\n\nUsage"),
+        #[cfg(not(feature = "parquet"))]
+        (&["run", "heavy_top", "--format", "parquet"], "built without `--features parquet`"),
         (&["run", "heavy_top", "--scan", "weight=1,2", "--plot"], "cannot be used with"),
         (&["run", "heavy_top", "--scan", "wieght=1,2"], "did you mean `weight`?"),
         (&["run", "heavy_top", "--long"], "unexpected argument '--long'"),
@@ -252,7 +256,7 @@ fn a_scan_makes_a_row_of_each_run() {
     let csv = scratch.read(&scratch.named("out", "driven_pendulum-exponential-scan-", ".csv"));
     let rows: Vec<Vec<&str>> = records(&csv).map(|line| line.split(',').collect()).collect();
     assert_eq!(rows.len(), 9);
-    assert_eq!(rows[0][..3], ["weight", "momentum_x", "error of energy"]);
+    assert_eq!(rows[0][..3], ["weight", "momentum_x", "change of energy"]);
     assert_eq!(rows[8][..2], ["4.0", "0.2"]);
 
     // each is the run that it stands for
@@ -268,6 +272,13 @@ fn a_scan_makes_a_row_of_each_run() {
     {
         assert_eq!(&rows[6][index(column)], expected, "{column}");
     }
+    // where nothing acts there is an error, and the distance of ends has a unit
+    let steps = ["--set", "motor=0", "--scan", "step=0.02,0.01", "--out", "-"];
+    let table = scratch.prints(&[&run[..], &steps].concat());
+    let rows: Vec<Vec<&str>> = records(&table).map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows[0][..4], ["step", "error of energy", "difference of end state", "its unit"]);
+    assert!(["|momentum|", "rad of angle"].contains(&rows[1][3]), "{table}");
+    assert_eq!(rows[2][2], "0.0");
     let object = scratch.object(&[&run[..], &scan].concat());
     assert_eq!(object["runs"][5]["values"], json!({ "weight": 3.0, "momentum_x": 0.2 }));
     assert_eq!(object["runs"][5]["end"]["momentum"].to_string(), last[3]);

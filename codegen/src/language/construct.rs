@@ -1,5 +1,6 @@
 //! Calls of functions by path, and macros: constructors of vectors and matrices, and methods written as functions.
 
+use quote::ToTokens;
 use syn::parse::{Parse, ParseStream};
 use syn::punctuated::Punctuated;
 use syn::{Expr, ExprCall, FnArg, Ident, Macro, Token, Type};
@@ -8,7 +9,7 @@ use super::lowering::Lowering;
 use super::value::Value;
 use crate::diagnostics::{count, list, suggestion};
 use crate::expr::{Expr as Symbolic, Matrix, Number, Vector};
-use crate::parse::{OwnFunction, of_segment, of_type, scalar_named, seen_from, shape_named};
+use crate::parse::{OF_NUMBERS, OwnFunction, of_segment, of_type, scalar_named, seen_from, shape_named};
 use crate::quantity::Shape;
 
 /// The constructors of vectors and matrices.
@@ -87,7 +88,14 @@ impl<'a> Lowering<'a, '_> {
         }
         let mut segments = function.path.segments.iter().rev();
         let (Some(name), Some(owner)) = (segments.next(), segments.next()) else {
-            return self.fail(&call.func, UNKNOWN);
+            let name = function.to_token_stream().to_string();
+            return match OF_NUMBERS.contains(&&*name) {
+                true => self.fail(
+                    &call.func,
+                    format!("`{name}` is a method of numbers, as in `x.sin()` or `x.powi(2)`"),
+                ),
+                false => self.fail(&call.func, UNKNOWN),
+            };
         };
         let owner_name = owner.ident.to_string();
         let path = Path { name: &name.ident, owner: &owner_name };

@@ -14,7 +14,7 @@ use crate::expr::{Arena, Expr, Matrix, Stage, Symbol, Vector};
 use crate::group::{Group, Product, Semidirect, consecutive, part_name};
 use crate::identifiers::{plain, velocity_name};
 use crate::language::{Scope, Value, by_index, lower_forces, lower_scalar};
-use crate::parse::Control;
+use crate::parse::{Control, Unit};
 use crate::quantity::{Kind, Role, Shape, Side};
 
 impl<'a> System<'a> {
@@ -86,7 +86,28 @@ impl<'a> System<'a> {
             velocity: OnceCell::new(),
             casimirs: OnceCell::new(),
         };
+        if description.is_sound {
+            check_counts_of_units(&system, description, diagnostics);
+        }
         description.is_sound.then_some(system)
+    }
+}
+
+/// A quantity has one unit, one for each component, or as many as go evenly into these.
+fn check_counts_of_units(system: &System<'_>, description: &Description<'_>, diagnostics: &mut Diagnostics) {
+    let parts = system.parts();
+    let parts = system.parameters.iter().chain(&system.controls).chain(&parts);
+    for Part { name, suffixes, unit, .. } in parts.filter(|part| part.name.is_first()) {
+        let (count, units) = (suffixes.len(), unit.iter().flat_map(|unit| unit.split(',')).count().max(1));
+        if count % units != 0 {
+            let is_it = |unit: &&Unit| plain(&unit.name) == plain(&name.ident);
+            let written =
+                description.attribute.units.iter().find(is_it).map_or(&name.ident, |unit| &unit.name);
+            let message = format!(
+                "`{written}` has {count} components, and here are {units} units: give one, or one for each"
+            );
+            diagnostics.push(written, message);
+        }
     }
 }
 

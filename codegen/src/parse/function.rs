@@ -77,6 +77,14 @@ pub fn calls(tokens: TokenStream) -> Vec<Path> {
 fn is_own(path: &Path) -> bool {
     let mut names = path.segments.iter().rev().map(|segment| segment.ident.to_string());
     let is_small = |name: &String| !name.starts_with(|first: char| first.is_uppercase());
-    names.next().is_some_and(|name| is_small(&name))
+    names
+        .next()
+        .is_some_and(|name| is_small(&name) && (path.segments.len() > 1 || !OF_NUMBERS.contains(&&*name)))
         && names.next().is_none_or(|owner| is_small(&owner) && scalar_named(&owner).is_none())
 }
+
+/// Methods of numbers that mathematics writes as functions: no function of a user's own has one of these names alone.
+pub const OF_NUMBERS: [&str; 18] = [
+    "abs", "acos", "asin", "atan", "atan2", "cos", "cosh", "exp", "hypot", "ln", "log", "pow", "powf",
+    "powi", "sin", "sinh", "sqrt", "tan",
+];

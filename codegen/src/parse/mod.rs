@@ -11,7 +11,7 @@ mod shape;
 
 pub use attribute::{Advected, Attribute, Control, Definition, Factor, Force, Unit};
 pub use factor::{FactorName, Index};
-pub use function::{OwnFunction, calls, seen_from};
+pub use function::{OF_NUMBERS, OwnFunction, calls, seen_from};
 pub(crate) use group::group;
 pub use group::{BasisMatrix, Group, Space};
 pub use item::{Field, Inertia, Item, Unreadable, without_helpers};

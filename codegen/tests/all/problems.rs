@@ -304,7 +304,13 @@ fn blocks_of_matrices() {
 
 #[test]
 fn functions() {
+    // nobody is asked for it as for a function of a user's own
+    let body = crate::common::tokens("struct Body { #[inertia] inertia: f64 }");
+    let attribute = crate::common::tokens("group = SO2, potential = -cos(inertia)");
+    let expanded = coadjoint_codegen::lie_poisson_system(attribute, body).to_string();
+    assert!(expanded.contains("`cos` is a method of numbers") && !expanded.contains("cos !"), "{expanded}");
     complains("height(a)", &[("height", "this function is not known here; known are functions of `f64`")]);
+    complains("cos(a)", &[("cos", "`cos` is a method of numbers, as in `x.sin()` or `x.powi(2)`$")]);
     complains("physics::height(a)", &[("physics::height", "this function is not known here")]);
     complains("<f64 as Float>::sin(a)", &[("<f64 as Float>::sin", "this function is not known here")]);
     complains("f64::round(a)", &[("round", "`round` jumps again and again")]);

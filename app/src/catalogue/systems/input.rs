@@ -103,6 +103,11 @@ impl Input {
         }
     }
 
+    /// Tells whether it has a column for the control's component at this place.
+    pub(crate) fn drives(&self, place: usize) -> bool {
+        self.columns.iter().any(|(column, _)| *column == place)
+    }
+
     /// Lists all numbers that it is made of.
     pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> + '_ {
         let columns = self.columns.iter().flat_map(|(place, pieces)| {

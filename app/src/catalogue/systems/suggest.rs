@@ -16,9 +16,15 @@ pub fn closest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
         .map(|(_, candidate)| candidate)
 }
 
-/// `; did you mean …?` to go at the end of a message, or nothing.
+/// `; did you mean …?` to go at the end of a message, or nothing: names that end in this one, or else the closest.
 pub fn did_you_mean<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> String {
-    closest(name, candidates).map_or_else(String::new, |candidate| format!("; did you mean `{candidate}`?"))
+    let all: Vec<&str> = candidates.into_iter().collect();
+    let is_longer = |known: &&str| known.strip_suffix(name).is_some_and(|before| before.ends_with('_'));
+    let mut meant: Vec<&str> = all.iter().copied().filter(is_longer).take(4).collect();
+    if meant.is_empty() {
+        meant.extend(closest(name, all));
+    }
+    if meant.is_empty() { String::new() } else { format!("; did you mean `{}`?", meant.join("` or `")) }
 }
 
 #[cfg(test)]
@@ -35,5 +41,6 @@ mod tests {
         assert_eq!(closest(&"inertia".repeat(100_000), names), None);
         assert_eq!(did_you_mean("wait", names), "; did you mean `weight`?");
         assert_eq!(did_you_mean("zzz", names), "");
+        assert_eq!(did_you_mean("y", ["chi_x", "chi_y", "psi_y"]), "; did you mean `chi_y` or `psi_y`?");
     }
 }

@@ -38,6 +38,24 @@ fn units_of_what_is_not_there_are_problems() {
 }
 
 #[test]
+fn as_many_units_as_do_not_fit_are_problems() {
+    let rest = "group = SE3, control(push: R3)";
+    let body = "struct Body { #[inertia] inertia: Vector6<f64>, #[unit(\"m, s\")] lever: Vector3<f64> }";
+    breaks(
+        &format!(
+            "{rest}, force = (push.cross(&lever), push), \
+             units(pose = \"1, 1, 1, 1, m, m, m\", momentum = \"N m s, N m, m, s\", push = \"N, N, N, N\")"
+        ),
+        body,
+        &[
+            ("lever", "`lever` has 3 components, and here are 2 units: give one, or one for each$"),
+            ("push", "`push` has 3 components, and here are 4 units"),
+            ("momentum", "`momentum` has 6 components, and here are 4 units"),
+        ],
+    );
+}
+
+#[test]
 fn units_that_cannot_be_read_are_problems() {
     let mut diagnostics = Diagnostics::new();
     let attribute = "units(momentum: \"N\", gamma = 1, attitude = \" \", momentum = \"a\", momentum = \"b\")";

@@ -11,7 +11,12 @@ fn a_run_is_driven_by_a_table_and_made_again() {
     };
     std::fs::write(scratch.0.join("thrust.csv"), table(12.0)).expect("written");
     let run = ["run", "quadrotor", "--duration", "1", "--step", "0.05", "--input", "thrust.csv"];
-    scratch.prints(&run);
+    let printed = scratch.prints(&run);
+    let words = printed.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        words.contains("no column for `moment_x`, `moment_y`, `moment_z`: each is 0 unless"),
+        "{printed}"
+    );
     let name = scratch.files("out").into_iter().find(|name| name.ends_with(".csv")).expect("a table");
     let written = scratch.read(&format!("out/{name}"));
     let thrust = written.lines().next().expect("a header").split(',').position(|column| column == "thrust");

@@ -33,6 +33,11 @@ fn bad_input_is_refused_with_a_message() {
         (&["run", "heavy_top", "--set", "weight"], 2, "has no `=`"),
         (&["run", "heavy_top", "--set", "chi=1,2"], 2, "takes 3 numbers separated by commas, got 2"),
         (&["run", "heavy_top", "--set", "weight=1,2,3"], 2, "takes one number, got 3"),
+        (
+            &["run", "spin_chain", "--set", "spins_momentum=1,2"],
+            2,
+            "takes 12 numbers separated by commas, got 2",
+        ),
         (&["run", "heavy_top", "--set", "weight=heavy"], 2, "`heavy` is not a number"),
         (&["run", "heavy_top", "--set", "momentum=1,nan,1"], 2, "`momentum` must be finite"),
         (&["run", "heavy_top", "--set", "momentum_x=inf"], 2, "`momentum_x` must be finite"),
@@ -86,6 +91,11 @@ fn bad_input_is_refused_with_a_message() {
         (&["run", "--config", "rk4.toml", "--order", "6"], 2, "method rk4 has its own order, 4"),
         (&["run", "--config", "rk4-order.toml"], 2, "order 4 is composed of symmetric steps"),
         (&["run", "--config", "method.toml"], 2, "there is no method `leapfrog`"),
+        (
+            &["run", "quadrotor", "--set", "velocity=1,2,3"],
+            2,
+            "did you mean `attitude_velocity` or `position_velocity`?",
+        ),
         (&["run", "quadrotor", "--set", "thrst=9"], 2, "did you mean `thrust`?"),
         (&["run", "quadrotor", "--set", "lift=9"], 2, "controls: moment, thrust"),
         (&["run", "quadrotor", "--set", "thrust=1,2"], 2, "takes one number, got 2"),

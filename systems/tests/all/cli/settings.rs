@@ -98,6 +98,21 @@ fn parameters_and_state_are_set_by_name_and_component() {
 }
 
 #[test]
+fn an_array_is_set_as_a_whole_or_by_element() {
+    let scratch = Scratch::new("array");
+    let start = |set: &[&str]| {
+        let run = ["run", "spin_chain", "--duration", "0.02", "--out", "-"];
+        let printed = scratch.prints(&[&run[..], set].concat());
+        let (header, rows) = table(&printed);
+        let is_momentum = |(name, _): &(&&str, &f64)| name.starts_with("spins_momentum");
+        header.iter().zip(&rows[0]).filter(is_momentum).map(|(_, value)| *value).collect::<Vec<_>>()
+    };
+    let whole =
+        start(&["--set", "spins_momentum=1,0,0,0,1,0,0,0,1,1,0,0", "--set", "spins_momentum_3=0,2,0"]);
+    assert_eq!(whole, [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 2.0, 0.0]);
+}
+
+#[test]
 fn an_impossible_body_is_noted_but_run() {
     let scratch = Scratch::new("note");
     let flat = scratch.prints(&["run", "free_rigid_body", "--duration", "0.1", "--set", "inertia=1,1,3"]);

@@ -8,7 +8,7 @@ use coadjoint_app::cli::console::OutputMode;
 use coadjoint_app::cli::report::{RunSummary, table};
 use coadjoint_app::cli::session::{Plan, Session};
 use coadjoint_app::error::SetupError;
-use coadjoint_app::setup::{Format, Job, Method, Order, Retraction, check};
+use coadjoint_app::setup::{Format, Job, Method, Order, Retraction};
 use coadjoint_app::simulate::time_per_step;
 use coadjoint_app::units::grouped;
 use coadjoint_app::{Catalogue, Error};
@@ -51,9 +51,6 @@ pub(crate) fn paper(
         "The heavy top with principal moments of inertia 1, 10, 100 kg m², {} steps of {STEP} s",
         grouped(STEPS)
     )?;
-    if let Some(note) = check(entry, &setup)? {
-        writeln!(console, "note: {note}")?;
-    }
     console.flush()?;
 
     let mut summaries = Vec::new();
