@@ -10,8 +10,8 @@ use super::console::OutputMode;
 use super::program;
 use crate::catalogue::{Catalogue, Entry, casimir, unit};
 use crate::error::Error;
-use crate::setup::{Method, Retraction};
-use crate::simulate::has_method;
+use crate::setup::{Method, Order, Retraction};
+use crate::simulate::{has_method, usual_method};
 use crate::units::{exact, with_unit, wrapped};
 
 /// The arguments of `list`.
@@ -120,7 +120,14 @@ fn methods(entry: &Entry) -> Vec<String> {
     let generated = Method::COMMON.into_iter().chain(Method::with_numbers());
     let generated = generated.filter(|method| has_method(entry, *method));
     let lifted = entry.has_right_lift().then_some(Method::RightLift);
-    generated.chain(lifted).map(|method| method.to_string()).collect()
+    let mut names: Vec<String> = generated.chain(lifted).map(|method| method.to_string()).collect();
+    let is_there = |order: &Order| {
+        let usual = |&retraction: &Retraction| usual_method(entry, retraction, *order);
+        Retraction::COMMON.iter().map(usual).any(|method| method == Method::HamiltonJacobi)
+    };
+    let orders = Order::ALL.into_iter().filter(is_there).map(|order| order.number());
+    names.extend(orders.map(|order| format!("{} (order {order})", Method::HamiltonJacobi)));
+    names
 }
 
 /// The retractions that there are steps of it with.

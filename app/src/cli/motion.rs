@@ -12,6 +12,7 @@ use crate::error::{Error, FileError, SetupError};
 use crate::files::path::read_file;
 use crate::setup::config::{Config, RunConfig};
 use crate::setup::{Changes, Job, Method, MethodParser, Order, Retraction, Setup};
+use crate::simulate::usual_method;
 use crate::units::rounded;
 
 /// The arguments that choose a run, or the file that describes it.
@@ -45,13 +46,13 @@ pub(crate) struct SchemeArguments {
     /// `exp` and `cay` for short. Where there are no steps with the default, it is what `list NAME` names first.
     #[arg(long, value_enum)]
     pub(crate) retraction: Option<Retraction>,
-    /// What the step makes of it, or a classical method [default: standard]
+    /// What the step makes of it, or a classical method [default: standard, of a higher order hamilton-jacobi if it is there]
     ///
     /// Classical methods are there to compare with, by the system's vector field: they have no retraction and an order
     /// of their own, and are not fast; with most of those in stored numbers rotations drift off their group.
     #[arg(long, value_parser = MethodParser)]
     pub(crate) method: Option<Method>,
-    /// 2, or 4, 6, 8, 10: composed of steps of order 2 [default: 2]
+    /// 2, or 4, 6, 8, 10: from one equation, or composed of steps of order 2 [default: 2]
     #[arg(long, value_enum)]
     pub(crate) order: Option<Order>,
 }
@@ -189,10 +190,11 @@ impl<'e> Motion<'e> {
             };
             note = Some(format!("{duration} s are not a whole number of steps of {step} s: {end}"));
         }
-        let method = scheme.method.unwrap_or(Method::Standard);
         let usual = if is_ensemble { Retraction::Cayley } else { Retraction::Exponential };
         let retraction = scheme.retraction.unwrap_or_else(|| usual.or_first_of(entry));
-        let job = Job { method, retraction, order: scheme.order.unwrap_or(Order::Two), step, steps, rest };
+        let order = scheme.order.unwrap_or(Order::Two);
+        let method = scheme.method.unwrap_or_else(|| usual_method(entry, retraction, order));
+        let job = Job { method, retraction, order, step, steps, rest };
         if let Some(file) = &asked.input {
             let text = text(file).map_err(FileError::read(file))?;
             let input = Input::parse(entry, file.clone(), &text, asked.interpolation.unwrap_or_default())?;

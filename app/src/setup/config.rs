@@ -153,7 +153,7 @@ system = \"{name}\"
 [run]
 {:28} # the map that the step is built on: {}
 method = \"standard\"          # standard, euler-a, euler-b, midpoint, verlet, …; rk4, …: `coadjoint run --help` lists all
-order = 2                    # 2; 4, 6, 8 and 10 are composed of its steps
+order = 2                    # 2; 4, 6, 8 and 10 are composed of its steps, or those of \"hamilton-jacobi\"
 {:28} # s; negative to go back in time
 {:28} # s
 every = 1                    # write the state after every so many steps

@@ -31,6 +31,8 @@ pub enum Method {
     Family(u32, u32),
     /// `euler-a` carrying the momentum in space, where nothing acts on the system.
     RightLift,
+    /// A Hamilton–Jacobi step, of order 4, 6, 8 or 10 from one equation, where it was generated.
+    HamiltonJacobi,
     /// The tangent lift with `s = numerator/denominator`, in lowest terms, where it was generated: of order 1, with `s
     /// = ½` of order 2, and not symplectic; explicit with `s = 0`.
     TangentLift(u32, u32),
@@ -126,7 +128,11 @@ impl Method {
 
     /// All that have a name of their own, without a number.
     fn named() -> impl Iterator<Item = Method> {
-        let ours = Self::COMMON.into_iter().chain([Method::RightLift, Method::TangentLift(0, 1)]);
+        let ours = Self::COMMON.into_iter().chain([
+            Method::HamiltonJacobi,
+            Method::RightLift,
+            Method::TangentLift(0, 1),
+        ]);
         ours.chain(Classical::ALL.into_iter().map(Method::Classical))
     }
 
@@ -187,6 +193,9 @@ impl Method {
             Method::Verlet => ("verlet", "half a step of `euler-a`, then half a step of `euler-b`: order 2"),
             Method::Family(..) => {
                 ("family=N/D", "another member s of the family, from 0 to 1, where it was generated")
+            }
+            Method::HamiltonJacobi => {
+                ("hamilton-jacobi", "order 4 to 10 from one equation, where it was generated")
             }
             Method::RightLift => {
                 ("right-lift", "`euler-a` carrying the momentum in space, where nothing acts")
@@ -281,7 +290,7 @@ fn possible() -> Vec<PossibleValue> {
     };
     let mut values: Vec<PossibleValue> = Method::named().map(listed).collect();
     // beside the first ones of their kinds
-    values.insert(Method::COMMON.len() + 2, listed(Method::TangentLift(1, 2)));
+    values.insert(Method::COMMON.len() + 3, listed(Method::TangentLift(1, 2)));
     values.insert(Method::COMMON.len(), listed(Method::Family(1, 4)));
     values
 }

@@ -90,7 +90,7 @@ impl Retraction {
     }
 }
 
-/// The order asked for: 2 for the method itself, higher ones composed of its steps.
+/// The order asked for: 2 for the method itself, higher ones of Hamilton–Jacobi steps, or composed of the method's.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
 #[serde(try_from = "u32", into = "u32")]
 pub enum Order {
@@ -98,16 +98,16 @@ pub enum Order {
     #[default]
     #[value(name = "2")]
     Two = 2,
-    /// Five steps in one.
+    /// From one equation, or composed: five steps in one.
     #[value(name = "4")]
     Four = 4,
-    /// Nine steps in one.
+    /// From one equation, or composed: nine steps in one.
     #[value(name = "6")]
     Six = 6,
-    /// Seventeen steps in one.
+    /// From one equation, or composed: seventeen steps in one.
     #[value(name = "8")]
     Eight = 8,
-    /// Thirty-five steps in one.
+    /// From one equation, or composed: thirty-five steps in one.
     #[value(name = "10")]
     Ten = 10,
 }
@@ -204,6 +204,7 @@ impl Job {
         match self.method {
             Method::Classical(classical) => classical.order(),
             Method::RightLift => 2,
+            Method::HamiltonJacobi => self.order.number(),
             method if method.is_symmetric() => self.order.number(),
             Method::TangentLift(..) => 1,
             // of the family's other members it is 2 only where they are all symmetric

@@ -66,6 +66,10 @@ pub fn scheme(method: Method, retraction: Retraction, order: Order) -> Result<Sc
         Method::TangentLift(numerator, denominator) => {
             Scheme::Step(map, Rule::TangentLift(numerator, denominator))
         }
+        Method::HamiltonJacobi => {
+            check_order(method, order)?;
+            return Ok(Scheme::Step(map, Rule::HamiltonJacobi(order.number())));
+        }
         Method::RightLift | Method::Classical(_) => return Err(not_certified(method)),
     };
     check_order(method, order)?;
@@ -78,8 +82,25 @@ pub fn scheme(method: Method, retraction: Retraction, order: Order) -> Result<Sc
     })
 }
 
+/// Chooses the usual method of this order: a Hamilton–Jacobi step where it was generated, else the standard step, or what
+/// is composed of it.
+pub(crate) fn usual_method(entry: &Entry, retraction: Retraction, order: Order) -> Method {
+    let system = entry.system(&entry.example.parameters);
+    let is_there = scheme(Method::HamiltonJacobi, retraction, order)
+        .is_ok_and(|scheme| erased::Stepper::new(system, &scheme, entry.step).is_ok());
+    if is_there { Method::HamiltonJacobi } else { Method::Standard }
+}
+
 /// Checks that steps of this order can be composed of the method's.
 fn check_order(method: Method, order: Order) -> Result<(), SetupError> {
+    if method == Method::HamiltonJacobi {
+        return match order {
+            Order::Two => {
+                Err(SetupError::new("method hamilton-jacobi takes an order above 2: `--order 6`".to_owned()))
+            }
+            _ => Ok(()),
+        };
+    }
     if order == Order::Two || method.is_symmetric() {
         return Ok(());
     }

@@ -88,6 +88,12 @@ fn bad_input_is_refused_with_a_message() {
             "`--retraction` is for methods of ours",
         ),
         (&["run", "heavy_top", "--method", "tangent-lift", "--order", "4"], 2, "take one of standard"),
+        (&["run", "free_rigid_body", "--method", "hamilton-jacobi"], 2, "takes an order above 2"),
+        (
+            &["run", "heavy_top", "--method", "hamilton-jacobi", "--order", "6"],
+            2,
+            "HamiltonJacobi<Exponential, 6>",
+        ),
         (&["run", "--config", "rk4.toml", "--order", "6"], 2, "method rk4 has its own order, 4"),
         (&["run", "--config", "rk4-order.toml"], 2, "order 4 is composed of symmetric steps"),
         (&["run", "--config", "method.toml"], 2, "there is no method `leapfrog`"),

@@ -209,6 +209,16 @@ fn methods_and_orders_are_told_apart() {
         ]
         .map(|name| format!("coupled_bodies-{name}.csv"))
     );
+    // from one equation, where that was generated; composed, where it is asked for
+    for (arguments, method) in
+        [(&[][..], "hamilton-jacobi"), (&["--method", "standard"], "standard (euler-a)")]
+    {
+        let all = [&["run", "free_rigid_body", "--duration", "0.2", "--order", "6"], arguments].concat();
+        let printed = scratch.prints(&all);
+        let is_there = |line: &str| line.starts_with("method ") && line.ends_with(method);
+        assert!(printed.lines().any(is_there), "{printed}");
+        assert!(printed.lines().any(|line| line.starts_with("order ") && line.ends_with(" 6")), "{printed}");
+    }
     // with the reduced step as the standard
     let printed = scratch.prints(&["run", "free_rigid_body", "--duration", "0.2", "--method", "euler-b"]);
     assert!(printed.lines().any(|line| line.starts_with("order ") && line.ends_with(" 2")), "{printed}");
