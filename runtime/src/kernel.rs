@@ -99,7 +99,7 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
     const HAS_FIXED_POINT_UPDATE: bool = true;
     /// Whether the update is a simplified Newton step: it contracts by much more than the angle of a step, and the state after the step is made of
     /// the unknown alone, not of an evaluation near it.
-    const IS_CHORD: bool = false;
+    const IS_NEWTON: bool = false;
     /// The next iterate of the fixed-point iteration: with `left(x) = L x` it is `L⁻¹ right(x)`, or, where `right` is `n/(1 + d)`, `L⁻¹ n − d x`,
     /// which has the same fixed point and waits for no division. Not to be called where there is none.
     #[inline(always)]

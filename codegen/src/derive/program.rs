@@ -132,8 +132,8 @@ pub(crate) fn step<'a>(
         kernel::derivative(arena, &step, &linearization, wanted, Inputs::of(system))
     });
     let crate::method::Step { blocks, bounded, iteration, .. } = step;
-    let is_chord = iteration != crate::method::Iteration::FixedPoint;
-    StepProgram { scheme, aliases, blocks, bounded, is_chord, module, derivative }
+    let is_newton = matches!(iteration, crate::method::Iteration::Newton(_));
+    StepProgram { scheme, aliases, blocks, bounded, is_newton, module, derivative }
 }
 
 /// Parameters and state.

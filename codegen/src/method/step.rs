@@ -38,7 +38,10 @@ pub struct Step<'a> {
 pub enum Iteration<'a> {
     /// `x ← left⁻¹(right(x))`, which contracts by about the angle of a step.
     FixedPoint,
-    /// The simplified Newton iteration with the Jacobian of this.
+    /// The simplified Newton iteration with the Jacobian of this: of first terms.
+    Chord(Vector<'a>),
+    /// The same with nearly the true Jacobian: so little is left after an iteration that the step ends from there, not from
+    /// what was evaluated for it.
     Newton(Vector<'a>),
 }
 

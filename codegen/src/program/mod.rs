@@ -51,7 +51,7 @@ pub struct StepProgram {
     /// Which components of the next state are bounded if the unknown is.
     pub bounded: Vec<bool>,
     /// Whether iterations are simplified Newton steps, and the end of the step is made of the unknown alone.
-    pub is_chord: bool,
+    pub is_newton: bool,
     /// Its functions.
     pub module: Module<StepRole>,
     /// Those of its derivative, if any is asked for.

@@ -28,7 +28,7 @@ pub(super) const HARDLY: f64 = 0.025;
 pub(super) const TOLERANCE: [f64; 3] = [8.0, 128.0, 16.0];
 /// The change of a last simplified Newton step is `c / rate`: it leaves `c` units, for the state is made of what it leads to. But it
 /// is no more than the second number, in units.
-pub(super) const CHORD: [f64; 2] = [0.5, 1e8];
+pub(super) const NEWTON: [f64; 2] = [0.5, 1e8];
 /// The largest rate of contraction of which `c / rate²` is as much as the last of these.
 pub(super) const QUICK: f64 = 0.04;
 /// Changes from here on show the rate of contraction, in units.

@@ -49,7 +49,7 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
         } else {
             let is_sharp = again & T::of(SHARP * T::EPSILON).lt(last);
             sharp = [T::select(is_sharp, last, sharp[0]), T::select(is_sharp, now, sharp[1])];
-            let most = if const { K::IS_CHORD } { tolerance(rate(sharp, true), true) } else { most };
+            let most = if const { K::IS_NEWTON } { tolerance(rate(sharp, true), true) } else { most };
             again & (now.le(least) | (now.le(most) & sharp[1].le(T::of(QUICK) * sharp[0])))
         };
         solved = solved | is_last;
@@ -61,6 +61,6 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
         }
         last = now;
     };
-    let rate = rate(sharp, K::IS_CHORD);
+    let rate = rate(sharp, K::IS_NEWTON);
     Solution { point, unknown, evaluation, solved, iterations, residual: rate * residual, rate }
 }

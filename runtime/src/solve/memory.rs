@@ -1,6 +1,6 @@
 //! What a step remembers of the ones before it: it saves time, and nothing else.
 
-use super::constants::{CHORD, HARDLY, INTERVALS, SHARP, STRONG, TOLERANCE};
+use super::constants::{HARDLY, INTERVALS, NEWTON, SHARP, STRONG, TOLERANCE};
 use super::predictor::Predictor;
 use crate::scalar::{Batch, Components, Mask, Real};
 
@@ -20,15 +20,15 @@ pub(super) struct Memory<T: Batch, U> {
     /// Whether the next step is likely to need one iteration: kept, for it is asked in each step.
     is_ready: bool,
     /// Whether iterations are simplified Newton steps.
-    is_chord: bool,
+    is_newton: bool,
 }
 
 impl<T: Batch, U: Components<T>> Memory<T, U> {
     /// Nothing yet, of steps of this kind.
-    pub(super) fn new(is_chord: bool) -> Self {
+    pub(super) fn new(is_newton: bool) -> Self {
         Self {
             predictor: Predictor::default(),
-            is_chord,
+            is_newton,
             rate: T::of(STRONG),
             tolerance: T::of(TOLERANCE[0] * T::EPSILON),
             due: INTERVALS[0],
@@ -98,7 +98,7 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
             return;
         }
         if !rate.is_same(self.rate).all() {
-            (self.rate, self.tolerance) = (rate, tolerance(rate, self.is_chord));
+            (self.rate, self.tolerance) = (rate, tolerance(rate, self.is_newton));
         }
         if self.due == 0 {
             self.due = self.interval;
@@ -123,17 +123,17 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
         let [due, interval] = [numbers[0].lane(0).to_f64() as u16, numbers[1].lane(0).to_f64() as u16];
         (self.due, self.interval) = (due, interval.min(INTERVALS[1]));
         visit(core::slice::from_mut(&mut self.rate));
-        self.tolerance = tolerance(self.rate, self.is_chord);
+        self.tolerance = tolerance(self.rate, self.is_newton);
         self.settle();
     }
 }
 
 /// The relative change of an iteration that may be the last, where iterations contract by this factor.
 #[inline(always)]
-pub(super) fn tolerance<T: Batch>(rate: T, is_chord: bool) -> T {
+pub(super) fn tolerance<T: Batch>(rate: T, is_newton: bool) -> T {
     let [least, most, _] = TOLERANCE;
-    let units = match is_chord {
-        true => clamped(T::of(CHORD[0]) / rate, [least, CHORD[1]]),
+    let units = match is_newton {
+        true => clamped(T::of(NEWTON[0]) / rate, [least, NEWTON[1]]),
         false => clamped(T::of(HARDLY) / (rate * rate), [least, most]),
     };
     T::select(rate.le(T::of(STRONG)), T::of(T::EPSILON) * units, T::of(-1.0))
@@ -141,8 +141,8 @@ pub(super) fn tolerance<T: Batch>(rate: T, is_chord: bool) -> T {
 
 /// A rate of contraction from two changes, one after the other.
 #[inline(always)]
-pub(super) fn rate<T: Batch>([last, now]: [T; 2], is_chord: bool) -> T {
-    clamped(now / last, [if is_chord { CHORD[0] / CHORD[1] } else { 1.0 / SHARP }, 1.0])
+pub(super) fn rate<T: Batch>([last, now]: [T; 2], is_newton: bool) -> T {
+    clamped(now / last, [if is_newton { NEWTON[0] / NEWTON[1] } else { 1.0 / SHARP }, 1.0])
 }
 
 /// No closure, which would not be compiled for the processor that the caller is compiled for.

@@ -28,7 +28,7 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
     type Control = K::Control;
 
     fn new(parameters: &K::Parameters, step: T) -> Self {
-        Self { kernel: kernel::new(parameters, step), memory: Memory::new(K::IS_CHORD) }
+        Self { kernel: kernel::new(parameters, step), memory: Memory::new(K::IS_NEWTON) }
     }
 
     const HAS_FAST_PATH: bool = K::HAS_FIXED_POINT_UPDATE || Self::IS_EXPLICIT;

@@ -8,7 +8,7 @@ use coadjoint::nalgebra::{Complex, Quaternion};
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, Stepper, System};
 
-#[lie_poisson_system(group = SO3)]
+#[lie_poisson_system(group = SO3, methods(HamiltonJacobi(8)))]
 #[derive(Clone, Debug, PartialEq)]
 struct Body {
     #[inertia]
@@ -167,6 +167,11 @@ fn table() -> Vec<String> {
     for step in [0.003, 0.01, 0.02, 0.03, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0] {
         let stepper = body.stepper::<Cayley>(step).expect("a body");
         table.push(run(&format!("body, h = {step}"), stepper, spinning, 3000, |_| NoControl::default()));
+    }
+    for step in [0.01, 0.1, 0.3, 1.0] {
+        let stepper = body.stepper::<HamiltonJacobi<Exponential, 8>>(step).expect("a body");
+        let name = format!("body at order 8, h = {step}");
+        table.push(run(&name, stepper, spinning, 3000, |_| NoControl::default()));
     }
     let top = Top { inertia: vector![1.0, 2.0, 3.0], weight: 2.0, chi: vector![0.3, 0.2, 1.0] };
     let start = TopState {

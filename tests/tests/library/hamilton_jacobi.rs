@@ -75,15 +75,9 @@ fn pendulum() -> (Pendulum, PendulumState) {
 }
 
 /// The state after a time.
-fn after<S: Discretized<M>, M>(
-    system: &S,
-    start: &S::State,
-    control: &S::Control,
-    time: f64,
-    steps: u32,
-) -> Vec<f64>
+fn after<S, M>(system: &S, start: &S::State, control: &S::Control, time: f64, steps: u32) -> Vec<f64>
 where
-    S: System<Scalar = f64>,
+    S: Discretized<M> + System<Scalar = f64>,
 {
     let mut stepper = system.stepper::<M>(time / f64::from(steps)).unwrap();
     let mut state = start.clone();
