@@ -193,7 +193,12 @@ impl<'e> Motion<'e> {
         let usual = if is_ensemble { Retraction::Cayley } else { Retraction::Exponential };
         let retraction = scheme.retraction.unwrap_or_else(|| usual.or_first_of(entry));
         let order = scheme.order.unwrap_or(Order::Two);
-        let method = scheme.method.unwrap_or_else(|| usual_method(entry, retraction, order));
+        // members go side by side where their steps are composed
+        let usual = |is_ensemble: bool| match is_ensemble {
+            true => Method::Standard,
+            false => usual_method(entry, retraction, order),
+        };
+        let method = scheme.method.unwrap_or_else(|| usual(is_ensemble));
         let job = Job { method, retraction, order, step, steps, rest };
         if let Some(file) = &asked.input {
             let text = text(file).map_err(FileError::read(file))?;

@@ -72,9 +72,7 @@ pub fn step<'a>(arena: &'a Arena, step: &Step<'a>, inputs: Inputs) -> Module<Ste
     let none = || Vector(Vec::new());
     let update = match &step.iteration {
         Iteration::FixedPoint => fixed_point::update(step, &right).unwrap_or_else(none),
-        Iteration::Chord(residual) | Iteration::Newton(residual) => {
-            fixed_point::simplified_newton(step, residual, &right)
-        }
+        Iteration::Newton(residual) => fixed_point::simplified_newton(step, residual, &right),
     };
     let correction = correction(step, &residual);
     let inputs = inputs

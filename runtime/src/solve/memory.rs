@@ -2,6 +2,7 @@
 
 use super::constants::{HARDLY, INTERVALS, NEWTON, SHARP, STRONG, TOLERANCE};
 use super::predictor::Predictor;
+use crate::kernel::Kernel;
 use crate::scalar::{Batch, Components, Mask, Real};
 
 /// What is remembered of the solutions of earlier steps.
@@ -19,16 +20,12 @@ pub(super) struct Memory<T: Batch, U> {
     interval: u16,
     /// Whether the next step is likely to need one iteration: kept, for it is asked in each step.
     is_ready: bool,
-    /// Whether iterations are simplified Newton steps.
-    is_newton: bool,
 }
 
-impl<T: Batch, U: Components<T>> Memory<T, U> {
-    /// Nothing yet, of steps of this kind.
-    pub(super) fn new(is_newton: bool) -> Self {
+impl<T: Batch, U: Components<T>> Default for Memory<T, U> {
+    fn default() -> Self {
         Self {
             predictor: Predictor::default(),
-            is_newton,
             rate: T::of(STRONG),
             tolerance: T::of(TOLERANCE[0] * T::EPSILON),
             due: INTERVALS[0],
@@ -36,7 +33,9 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
             is_ready: U::LENGTH == 0,
         }
     }
+}
 
+impl<T: Batch, U: Components<T>> Memory<T, U> {
     /// For how many steps one iteration is likely to be enough.
     #[inline(always)]
     pub(super) fn ready_for(&self) -> u64 {
@@ -93,12 +92,12 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
 
     /// Remembers a step that needed more than one iteration: its solution, and the rate of contraction as it was seen.
     #[inline(always)]
-    pub(super) fn learn(&mut self, blocks: &[usize], solution: &U, rate: T) {
+    pub(super) fn learn<K: Kernel<T, Unknown = U>>(&mut self, solution: &U, rate: T) {
         if const { U::LENGTH == 0 } {
             return;
         }
         if !rate.is_same(self.rate).all() {
-            (self.rate, self.tolerance) = (rate, tolerance(rate, self.is_newton));
+            (self.rate, self.tolerance) = (rate, tolerance(rate, K::IS_NEWTON));
         }
         if self.due == 0 {
             self.due = self.interval;
@@ -106,7 +105,7 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
         } else {
             self.due -= 1;
         }
-        self.predictor.learn(blocks, solution);
+        self.predictor.learn(K::BLOCKS, solution);
         self.settle();
     }
 
@@ -115,7 +114,7 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
     }
 
     /// Shows all that is remembered, for [`Method::memory`](crate::method::Method::memory).
-    pub(super) fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
+    pub(super) fn memory<K: Kernel<T, Unknown = U>>(&mut self, visit: &mut dyn FnMut(&mut [T])) {
         self.predictor.memory(visit);
         let mut numbers = [T::of(f64::from(self.due)), T::of(f64::from(self.interval))];
         visit(&mut numbers);
@@ -123,7 +122,7 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
         let [due, interval] = [numbers[0].lane(0).to_f64() as u16, numbers[1].lane(0).to_f64() as u16];
         (self.due, self.interval) = (due, interval.min(INTERVALS[1]));
         visit(core::slice::from_mut(&mut self.rate));
-        self.tolerance = tolerance(self.rate, self.is_newton);
+        self.tolerance = tolerance(self.rate, K::IS_NEWTON);
         self.settle();
     }
 }

@@ -28,7 +28,7 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
     type Control = K::Control;
 
     fn new(parameters: &K::Parameters, step: T) -> Self {
-        Self { kernel: kernel::new(parameters, step), memory: Memory::new(K::IS_NEWTON) }
+        Self { kernel: kernel::new(parameters, step), memory: Memory::default() }
     }
 
     const HAS_FAST_PATH: bool = K::HAS_FIXED_POINT_UPDATE || Self::IS_EXPLICIT;
@@ -140,7 +140,7 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
-        self.memory.memory(visit);
+        self.memory.memory::<K>(visit);
     }
 }
 
@@ -250,13 +250,13 @@ impl<T: Batch, K: Kernel<T>> Work for SlowPath<'_, T, K> {
             let Solution { iterations, residual, .. } = solution;
             let advanced = Advanced { state: next, iterations, residual };
             if good.all() {
-                memory.learn(K::BLOCKS, &solution.unknown, solution.rate);
+                memory.learn::<K>(&solution.unknown, solution.rate);
                 return Ok(advanced);
             }
             let given = finite(state) & finite(control) & time.is_finite();
             if is_rescued {
                 if good.any() {
-                    memory.learn(K::BLOCKS, &solution.unknown, solution.rate);
+                    memory.learn::<K>(&solution.unknown, solution.rate);
                 } else {
                     memory.forget();
                 }
@@ -358,7 +358,7 @@ fn advanced<T: Batch, K: Kernel<T>>(
     if !accepted.good.all() {
         return None;
     }
-    memory.learn(K::BLOCKS, &solution.unknown, solution.rate);
+    memory.learn::<K>(&solution.unknown, solution.rate);
     let Solution { iterations, residual, .. } = *solution;
     Some(Advanced { state: accepted.next, iterations, residual })
 }
