@@ -97,8 +97,10 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
     /// Whether there is a [`fixed_point_update`](Self::fixed_point_update): the left side is linear with constant coefficients. Known when
     /// the code is compiled, so that of what needs it nothing is compiled where there is none.
     const HAS_FIXED_POINT_UPDATE: bool = true;
-    /// Whether the update is a simplified Newton step: it contracts by much more than the angle of a step, and the state after the step is made of
-    /// the unknown alone, not of an evaluation near it.
+    /// Whether the Newton [correction](Self::correction) is of the residual's Jacobian, not of one of fewer terms.
+    const HAS_TRUE_JACOBIAN: bool = true;
+    /// Whether the update is a simplified Newton step with nearly the true Jacobian, and the state after the step is made of the unknown alone, not
+    /// of an evaluation near it.
     const IS_NEWTON: bool = false;
     /// The next iterate of the fixed-point iteration: with `left(x) = L x` it is `L⁻¹ right(x)`, or, where `right` is `n/(1 + d)`, `L⁻¹ n − d x`,
     /// which has the same fixed point and waits for no division. Not to be called where there is none.

@@ -7,6 +7,7 @@ use crate::identifiers::plain;
 use crate::kernel::{self, Inputs};
 use crate::language;
 use crate::method::linearization::Linearization;
+use crate::method::{Iteration, Step};
 use crate::model::{InertiaField, InertiaShape, Part, Place, Relation, System};
 use crate::program::{
     Constant, Documentation, Element, Inertia, Input, Interface, Module, Program, Quantity, StepProgram,
@@ -131,9 +132,10 @@ pub(crate) fn step<'a>(
         let linearization = Linearization::new(arena, system, &step, wanted);
         kernel::derivative(arena, &step, &linearization, wanted, Inputs::of(system))
     });
-    let crate::method::Step { blocks, bounded, iteration, .. } = step;
-    let is_newton = matches!(iteration, crate::method::Iteration::Newton(_));
-    StepProgram { scheme, aliases, blocks, bounded, is_newton, module, derivative }
+    let Step { blocks, bounded, iteration, .. } = step;
+    let has_true_jacobian = iteration == Iteration::FixedPoint;
+    let is_newton = matches!(iteration, Iteration::Newton(_));
+    StepProgram { scheme, aliases, blocks, bounded, has_true_jacobian, is_newton, module, derivative }
 }
 
 /// Parameters and state.

@@ -72,7 +72,9 @@ pub fn step<'a>(arena: &'a Arena, step: &Step<'a>, inputs: Inputs) -> Module<Ste
     let none = || Vector(Vec::new());
     let update = match &step.iteration {
         Iteration::FixedPoint => fixed_point::update(step, &right).unwrap_or_else(none),
-        Iteration::Newton(residual) => fixed_point::simplified_newton(step, residual, &right),
+        Iteration::Chord(residual) | Iteration::Newton(residual) => {
+            fixed_point::simplified_newton(step, residual, &right)
+        }
     };
     let correction = correction(step, &residual);
     let inputs = inputs
@@ -102,7 +104,7 @@ pub fn step<'a>(arena: &'a Arena, step: &Step<'a>, inputs: Inputs) -> Module<Ste
     functions.extend((!update.is_empty()).then(|| returned(StepRole::FixedPointUpdate, vec![update])));
     functions.extend((!domain.is_empty()).then(|| returned(StepRole::Domain, vec![domain])));
     functions.push(Outline {
-        is_apart: matches!(step.iteration, Iteration::Newton(_)),
+        is_apart: step.iteration != Iteration::FixedPoint,
         ..returned(StepRole::Finish, vec![next])
     });
     let placement = Homes::of_step(&code.dag, &functions, &step.given);

@@ -38,8 +38,10 @@ pub struct Step<'a> {
 pub enum Iteration<'a> {
     /// `x ← left⁻¹(right(x))`, which contracts by about the angle of a step.
     FixedPoint,
-    /// The simplified Newton iteration with the Jacobian of this. So little is left after an iteration that the step ends
-    /// from there, not from what was evaluated for it.
+    /// The simplified Newton iteration with the Jacobian of this: of first terms. A step ends from the last iterate, not from
+    /// what was evaluated for it.
+    Chord(Vector<'a>),
+    /// The same with nearly the true Jacobian, so that little is left after an iteration.
     Newton(Vector<'a>),
 }
 

@@ -50,7 +50,9 @@ pub struct StepProgram {
     pub blocks: Vec<usize>,
     /// Which components of the next state are bounded if the unknown is.
     pub bounded: Vec<bool>,
-    /// Whether iterations are simplified Newton steps, and the end of the step is made of the unknown alone.
+    /// Whether Newton's matrix is the Jacobian of the residual.
+    pub has_true_jacobian: bool,
+    /// Whether all iterations are simplified Newton steps with nearly that matrix.
     pub is_newton: bool,
     /// Its functions.
     pub module: Module<StepRole>,

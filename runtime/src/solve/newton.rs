@@ -40,7 +40,7 @@ impl<T: Batch, K: Kernel<T>> Work for Newton<'_, T, K> {
                 equation.evaluate(&point)
             };
             let now = relative::<T, _>(K::BLOCKS, &evaluation.residual, &evaluation.right);
-            let mut done = open & is_rounding(now, moved);
+            let mut done = open & is_rounding(now, moved, K::HAS_TRUE_JACOBIAN);
             residual = T::select(open, now, residual);
             let stalls = open & !done & !now.le(T::of(PROGRESS) * last);
             if stalls.any() {
@@ -76,14 +76,15 @@ impl<T: Batch, K: Kernel<T>> Work for Newton<'_, T, K> {
     }
 }
 
-/// Whether a residual is rounding, after a correction that moved the unknown by so much.
+/// Whether a residual is rounding, after a correction that moved the unknown by so much. Of a matrix that is not the Jacobian a correction leaves
+/// more than its square.
 #[inline(always)]
-fn is_rounding<T: Batch>(residual: T, moved: T) -> T::Mask {
+fn is_rounding<T: Batch>(residual: T, moved: T, is_true: bool) -> T::Mask {
     let (unit, square) = (T::of(T::EPSILON), moved * moved);
     let [[exact, _], [near, little], [far, much]] = RESIDUAL;
     residual.le(T::of(exact) * unit)
         | (residual.le(T::of(near) * unit) & (T::of(little) * square).le(unit))
-        | (residual.le(T::of(far) * unit) & (T::of(much) * square).le(unit))
+        | (residual.le(T::of(far) * unit) & (T::of(much) * square).le(unit) & T::Mask::splat(is_true))
 }
 
 /// What rounding leaves of the residual in these lanes.

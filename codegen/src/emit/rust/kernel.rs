@@ -46,6 +46,9 @@ pub(super) fn kernel(names: &Names, step: &StepProgram) -> TokenStream {
     let no_update = module.function(StepRole::FixedPointUpdate).is_none().then(|| {
         quote! { const HAS_FIXED_POINT_UPDATE: ::core::primitive::bool = false; }
     });
+    let has_fewer_terms = (!step.has_true_jacobian).then(|| {
+        quote! { const HAS_TRUE_JACOBIAN: ::core::primitive::bool = false; }
+    });
     let is_newton = step.is_newton.then(|| quote! { const IS_NEWTON: ::core::primitive::bool = true; });
     let bounded = bounded(&step.bounded);
     let program = bytes::functions(module).map(|function| Literal::byte_string(&function));
@@ -77,6 +80,7 @@ pub(super) fn kernel(names: &Names, step: &StepProgram) -> TokenStream {
                 /// `new`, `begin`, `evaluate` and `finish` once more, as bytes: certificates run them in twice the digits.
                 const PROGRAM: Program = [#(#program),*];
                 #no_update
+                #has_fewer_terms
                 #is_newton
 
                 #[inline(always)]

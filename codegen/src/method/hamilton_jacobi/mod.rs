@@ -97,10 +97,13 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, o
     let is_small = whole.unknown.len() <= FEW;
     whole.take_coarse_residual(step_of(if is_small { COARSE } else { 2 }, Some(&left)).0);
     whole.coarse_residual = whole.coarse_residual.map(Expr::with_short_stumpff);
-    whole.iteration = Iteration::Newton(match is_small {
-        true => whole.coarse_residual.clone(),
-        false => linear(&whole.coarse_residual, &increments(system, retraction, member, &whole)),
-    });
+    whole.iteration = match is_small {
+        true => Iteration::Newton(whole.coarse_residual.clone()),
+        false => {
+            let increments = increments(system, retraction, member, &whole);
+            Iteration::Chord(linear(&whole.coarse_residual, &increments))
+        }
+    };
     whole
 }
 
