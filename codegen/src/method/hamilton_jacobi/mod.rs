@@ -22,9 +22,9 @@
 //! along the motion from `ḡ τ(−η/2)` to `ḡ τ(η/2)` in the time `t`, which solves the Hamilton–Jacobi equation
 //! `∂S/∂t = h`. Cut behind `t^{p−1}`, it makes a step of order `p`.
 //!
-//! * With an inertia or a Hamiltonian it is [`S`](momentum) that is derived: its argument is the momentum.
+//! * With an inertia or a Hamiltonian it is `S` that is derived: its argument is the momentum.
 //! * With a Lagrangian it is `R`, and so it is where forces act: what is left of it then are its
-//!   [derivatives](velocity), with which the step is symmetric and of order `p`, and not symplectic, as the motion is not.
+//!   derivatives, with which the step is symmetric and of order `p`, and not symplectic, as the motion is not.
 //!
 //! Ge and Marsden, Phys. Lett. A 133 (1988) 134; Ferraro, de León, Marrero, Martín de Diego and Vaquero,
 //! arXiv:1606.00847.
