@@ -16,6 +16,16 @@ use super::number::Number;
 type Monomial = u128;
 const BITS: usize = 6;
 
+/// The highest bit of each exponent: no exponent has it, so that two of them add up to one that has room.
+const HIGHEST: Monomial = {
+    let (mut bits, mut place) = (0, 0);
+    while place < VARIABLES {
+        bits |= 1 << (BITS * place + BITS - 1);
+        place += 1;
+    }
+    bits
+};
+
 /// How many variables there may be, constants included.
 const VARIABLES: usize = 128 / BITS;
 
@@ -105,9 +115,11 @@ impl<'a> Expansion<'a> {
         if self.products > PRODUCTS {
             return None;
         }
-        // exponents stay far below 64: a step has order 10
         let products = one.iter().flat_map(|(&x, &a)| other.iter().map(move |(&y, &b)| (x + y, a * b)));
         let mut products: Vec<(Monomial, Number)> = products.collect();
+        if products.iter().any(|(monomial, _)| monomial & HIGHEST != 0) {
+            return None;
+        }
         products.sort_unstable_by_key(|&(monomial, _)| monomial);
         let mut product: Vec<(Monomial, Number)> = Vec::new();
         for (monomial, c) in products {

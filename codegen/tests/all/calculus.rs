@@ -247,3 +247,26 @@ fn quotients_have_one_denominator() {
         assert!(expr.as_quotient(of_x).is_none(), "{expr}");
     }
 }
+
+/// A function multiplied out is the same function; a power that there is no room for is left as it is.
+#[test]
+fn what_is_multiplied_out_is_the_same() {
+    let arena = Arena::new();
+    let [x, y, a] = [("x", Stage::Step), ("y", Stage::Iteration), ("a", Stage::Parameters)]
+        .map(|(n, s)| arena.symbol(n, s));
+    let value = |expr: Expr<'_>| {
+        let values = [(x, 1.25), (y, -0.75), (a, 3.0)];
+        let of = |symbol| {
+            values.iter().find(|(known, _)| known.as_symbol() == Some(symbol)).expect("one of them").1
+        };
+        Vector(vec![expr]).evaluate(&of)[0]
+    };
+    let sum = (x * a + y).hold() * (x - y / a).powi(3) + (x + y).powi(2) * (x - y).hold() - x.powi(3);
+    let out = sum.multiplied_out().expect("a polynomial");
+    assert!((value(out) - value(sum)).abs() < 1e-12, "{} instead of {}", value(out), value(sum));
+    assert!((value(x.powi(31).multiplied_out().expect("room")) - 1.25_f64.powi(31)).abs() < 1e-9);
+    for without in [x.powi(32), (x * y).powi(40), x.powi(20).hold() * x.powi(20).hold(), x.sqrt(), x.recip()]
+    {
+        assert!(without.multiplied_out().is_none(), "{without}");
+    }
+}
