@@ -63,6 +63,22 @@ fn lighter(attribute: &Attribute) -> Vec<&'static str> {
     ways.into_iter().filter_map(|(is_a_way, way)| is_a_way.then_some(way)).collect()
 }
 
+/// Reports steps whose derivation no retraction that is asked for allows. `None` if so.
+pub(crate) fn retractions(attribute: &Attribute, item: &Item, diagnostics: &mut Diagnostics) -> Option<()> {
+    let named = &attribute.retractions;
+    let is_possible = named.is_empty() || named.iter().any(|retraction| retraction.is_equivariant());
+    match attribute.methods.iter().find(|rule| rule.is_of_order()) {
+        Some(rule) if !is_possible => {
+            let message = format!(
+                "`{}` steps are made with the retractions `Exponential` and `Cayley`: name one of them in `retractions(…)`",
+                rule.method.name
+            );
+            diagnostics.fail(&item.name, message)
+        }
+        _ => Some(()),
+    }
+}
+
 /// Reports a Lagrangian without a velocity for each momentum, and tangent lifts without a momentum for each velocity.
 /// `None` if so.
 pub(crate) fn legendre(

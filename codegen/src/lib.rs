@@ -126,6 +126,7 @@ fn compile<R>(
     let item = Item::parse(item, diagnostics)?;
     let description = check::resolve(attribute, &item, diagnostics);
     feasible::sizes(&description, diagnostics)?;
+    feasible::retractions(attribute, &item, diagnostics)?;
     let arena = Arena::limited(limits::DERIVATION);
     // expressions are looked at even if they cannot be used, for the sake of their problems
     let system = System::build(&arena, &description, diagnostics)?;

@@ -525,7 +525,11 @@ fn parameter(input: ParseStream<'_>, name: &Ident, method: &'static Method) -> s
             parenthesized!(content in input);
             let order: LitInt = content.parse()?;
             let order: u32 = order.base10_parse()?;
-            method.orders.contains(&order).then(|| method.of_order(order)).ok_or_else(|| content.error(""))
+            // all of it is read, or syn complains about the rest
+            let rest: proc_macro2::TokenStream = content.parse()?;
+            (rest.is_empty() && method.orders.contains(&order))
+                .then(|| method.of_order(order))
+                .ok_or_else(|| content.error(""))
         };
         let orders = list(method.orders.iter().map(u32::to_string));
         return read().map_err(|_| {

@@ -236,3 +236,22 @@ fn documentation_tells_the_spaces_apart() {
     }
     assert!(!text.contains("×"), "{text}");
 }
+
+/// What is wrong with a Hamilton–Jacobi step that is asked for is said, and no more than that.
+#[test]
+fn orders_that_there_are_none_of_are_refused() {
+    let refused = |methods: &str, about: &str| {
+        let attribute = format!("group = SO3, {methods}");
+        let item = "struct Body { #[inertia] j: Vector3<f64> }";
+        let error = expand(tokens(&attribute), tokens(item)).map(|_| ()).expect_err(methods);
+        assert_eq!(
+            error.into_iter().map(|one| one.to_string()).filter(|one| one.contains(about)).count(),
+            1,
+            "{methods}"
+        );
+    };
+    for order in ["", "(5)", "()", "(six)", "(6, 2)", "(4294967296)"] {
+        refused(&format!("methods(HamiltonJacobi{order})"), "takes the order of the step");
+    }
+    refused("methods(HamiltonJacobi(6)), retractions(SecondKind)", "`Exponential` and `Cayley`");
+}
