@@ -43,7 +43,17 @@ pub(crate) fn derived(
     } else {
         return Some(());
     };
-    // of several the whole one is meant, and that comes last
+    at_energy(message, attribute, item, diagnostics)
+}
+
+/// Reports a problem of what a system's expressions are together: at an energy, of several at the whole one, which comes
+/// last, else at a force.
+fn at_energy(
+    message: impl std::fmt::Display,
+    attribute: &Attribute,
+    item: &Item,
+    diagnostics: &mut Diagnostics,
+) -> Option<()> {
     let energy = EnergyKey::ALL.into_iter().rev().find_map(|key| attribute.energy(key));
     match energy.or(attribute.forces.first().map(|force| &force.value)) {
         Some(expression) => diagnostics.fail(expression, message),
@@ -51,10 +61,25 @@ pub(crate) fn derived(
     }
 }
 
+/// Reports a motion that has no power series by recurrences, where they are asked for. `None` if so.
+pub(crate) fn has_series(
+    there_is_one: bool,
+    attribute: &Attribute,
+    item: &Item,
+    diagnostics: &mut Diagnostics,
+) -> Option<()> {
+    if there_is_one {
+        return Some(());
+    }
+    let message = "a function in this has no power series by a recurrence, as `angle()` and `scaled_axis()` have none; leave out `taylor`";
+    at_energy(message, attribute, item, diagnostics)
+}
+
 /// What to change of a description that asks for too much, what costs most first.
 fn lighter(attribute: &Attribute) -> Vec<&'static str> {
     let ways = [
         (attribute.has(Key::Derivatives), "leave out `derivatives`, or name those that you need"),
+        (attribute.has(Key::Taylor), "leave out `taylor`"),
         (attribute.has(Key::Methods), "leave out `methods`, as the standard steps are there without it"),
         (!attribute.has(Key::Retractions), "take one retraction, `retractions(Cayley)`"),
         (true, "simplify its expressions"),

@@ -144,6 +144,13 @@ fn compile<R>(
         feasible::derived(&arena, attribute, &item, diagnostics)?;
         work += arena.work();
     }
+    if attribute.taylor {
+        let arena = Arena::limited(limits::DERIVATION - work);
+        let system = System::build(&arena, &description, &mut Diagnostics::new())?;
+        program.taylor = derive::series(&arena, &system);
+        feasible::derived(&arena, attribute, &item, diagnostics)?;
+        feasible::has_series(program.taylor.is_some(), attribute, &item, diagnostics)?;
+    }
     Some(emit(program, &system, attribute, &item))
 }
 

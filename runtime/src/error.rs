@@ -41,6 +41,12 @@ pub enum ParameterError {
         /// The step asked for.
         step: f64,
     },
+    /// A tolerance that is not between 0 and 1.
+    #[error("the tolerance must be between 0 and 1, such as 1e-9, got {tolerance}")]
+    Tolerance {
+        /// The tolerance asked for.
+        tolerance: f64,
+    },
     /// A list of numbers is not one of the system's parameters.
     #[error("there are {got} parameters in place of {expected}: they are of another system")]
     Length {
@@ -121,6 +127,19 @@ pub enum StepError {
     /// step); take a smaller step or the Cayley map.
     #[error("the step leaves the retraction's domain; try a smaller step or the Cayley map")]
     OutsideDomain,
+    /// A Taylor step would be so short that time does not go on: the motion ends in a singularity there.
+    #[error(
+        "the step would be no longer than {step:e}, so that time does not go on: there is a singularity ahead"
+    )]
+    NoProgress {
+        /// The step that the series would allow.
+        step: f64,
+    },
+    /// A Taylor step would have no end, for the motion is a polynomial in time, as it is at rest.
+    #[error(
+        "the motion is a polynomial in time, so that a step of any length is exact: say to which time, or bound the step"
+    )]
+    NoEnd,
     /// The step has no derivative, or an infinite one: somewhere in the description a root, a norm or a power is zero
     /// that has no derivative there, as the norm of a velocity has none at rest. Times the velocity it has one, and its
     /// square has.

@@ -98,6 +98,7 @@ mod solve;
 mod spline;
 pub mod stepper;
 pub mod system;
+pub mod taylor;
 #[cfg(all(test, feature = "std"))]
 mod tests;
 mod tick;
@@ -266,6 +267,7 @@ pub mod __private {
         Control, Generated, Geometry, Isolated, Kind, NoControl, Quantity, Retracted, Role, Schemes, Side,
         State, Stored, System, Visitor, larger, quantity,
     };
+    pub use crate::taylor::{Leading, Next, PowerSeries};
     pub use coadjoint_macros::lie_poisson_system_with;
     pub use nalgebra;
 }

@@ -4,4 +4,4 @@ mod equations;
 pub mod geometry;
 mod program;
 
-pub(crate) use program::{program, step};
+pub(crate) use program::{program, series, step};

@@ -7,11 +7,12 @@ use crate::identifiers::plain;
 use crate::kernel::{self, Inputs};
 use crate::language;
 use crate::method::linearization::Linearization;
+use crate::method::taylor::taylor;
 use crate::method::{Iteration, Step};
-use crate::model::{InertiaField, InertiaShape, Part, Place, Relation, System};
+use crate::model::{Energy, InertiaField, InertiaShape, Part, Place, Relation, System};
 use crate::program::{
     Constant, Documentation, Element, Inertia, Input, Interface, Module, Program, Quantity, StepProgram,
-    SystemRole, Transform,
+    SystemRole, TaylorProgram, Transform,
 };
 use crate::quantity::Role;
 use crate::scheme::{Derivatives, Scheme};
@@ -23,6 +24,7 @@ pub(crate) fn program<'a>(arena: &'a Arena, system: &System<'a>, retractions: &[
         interface: interface(system),
         functions: functions.into_iter().flatten().collect(),
         steps: Vec::new(),
+        taylor: None,
     }
 }
 
@@ -136,6 +138,16 @@ pub(crate) fn step<'a>(
     let has_true_jacobian = iteration == Iteration::FixedPoint;
     let is_newton = matches!(iteration, Iteration::Newton(_));
     StepProgram { scheme, aliases, blocks, bounded, has_true_jacobian, is_newton, module, derivative }
+}
+
+/// The power series of a system's motion. None where a function in its description has no closed recurrence.
+pub(crate) fn series<'a>(arena: &'a Arena, system: &System<'a>) -> Option<TaylorProgram> {
+    let velocity = match system.energy {
+        Energy::Lagrangian(_) => system.velocity_symbols().symbols(),
+        _ => Vec::new(),
+    };
+    let inputs = Inputs::of(system).with(Input::Velocity, velocity);
+    Some(kernel::taylor(arena, &taylor(arena, system)?, inputs))
 }
 
 /// Parameters and state.

@@ -257,6 +257,11 @@ impl Product {
         })
     }
 
+    /// `m − Σ J(p, a)`, the part of `Ad*_{exp(p)} (m, a)` in the dual of the algebra.
+    pub fn shifted<'a>(&self, m: &Vector<'a>, p: &[Vector<'a>], a: &[Vector<'a>]) -> Vector<'a> {
+        self.each(|factor, place| factor.shifted(&place.algebra(m), place.spaces(p).iter(), place.spaces(a)))
+    }
+
     /// `Ad*_{τ(x)} a` for each space, with `mean = P(x)ᵀ a`.
     pub fn carry_all<'a>(
         &self,

@@ -134,7 +134,7 @@ impl Semidirect {
     }
 
     /// `m − Σ J(p, a)`, the `g*` part of `Ad*_{exp(p)} (m, a)`.
-    fn shifted<'p, 'a: 'p>(
+    pub(super) fn shifted<'p, 'a: 'p>(
         &self,
         m: &Vector<'a>,
         translations: impl Iterator<Item = &'p Vector<'a>>,

@@ -1,7 +1,7 @@
 //! The derivative of one step as straight-line code: what it is made of, then the linear maps themselves.
 
 use super::{Code, Homes, InputNames, Inputs, Outline, Results, record, returned};
-use crate::expr::{Arena, Expr, Vector};
+use crate::expr::{Arena, Expr, Stage, Vector};
 use crate::method::Step;
 use crate::method::linearization::{Linearization, Matrices};
 use crate::program::{DerivativeRole, Input, Module, RecordKind};
@@ -53,7 +53,7 @@ pub fn derivative<'a>(
     let mut functions: Vec<Outline<DerivativeRole>> = planned.collect();
     code.names.adopt_roles(arena, &code.factoring, &code.dag);
     code.dag.eliminate_common_pairs();
-    let placement = Homes::of_maps(&code.dag, &functions);
+    let placement = Homes::of_maps(&code.dag, &functions, Stage::Perturbation, RecordKind::Point);
     functions.insert(0, record(DerivativeRole::Point, RecordKind::Point));
     code.module(placement, functions)
 }

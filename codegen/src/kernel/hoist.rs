@@ -7,7 +7,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::dag::{Dag, Op, Operation, Signed};
 use crate::expr::{Function, Stage, Symbol};
-use crate::program::{DerivativeRole, RecordKind, StepRole};
+use crate::program::{RecordKind, StepRole};
 
 /// Where a value is computed: in the function that returns this record, or in each function that uses it.
 type Home = Option<RecordKind>;
@@ -117,11 +117,12 @@ impl Homes {
         }
     }
 
-    /// Of linear maps of perturbations: all that they are made of is computed at the point, once for all of them.
-    pub(super) fn of_maps(dag: &Dag<'_>, maps: &[Outline<DerivativeRole>]) -> Self {
+    /// Of maps of what is known at the last stage: all that they are made of is computed before, once for all of them,
+    /// and kept in a record.
+    pub(super) fn of_maps<R>(dag: &Dag<'_>, maps: &[Outline<R>], last: Stage, record: RecordKind) -> Self {
         let results: Vec<Op> = maps.iter().flat_map(Outline::results).map(|signed| signed.op).collect();
         let all = dag.reachable_from(results.clone());
-        let is_linear = |op: Op| dag.stage(op) == Stage::Perturbation;
+        let is_linear = |op: Op| dag.stage(op) == last;
         let coefficients: Vec<Op> = {
             let linear = dag.ops().filter(|op| all.contains(op) && is_linear(*op));
             linear.flat_map(|op| dag.operation(op).operands()).filter(|&op| !is_linear(op)).collect()
@@ -129,7 +130,7 @@ impl Homes {
         let at_point = dag.reachable_from(coefficients);
         let place = |op: Op| {
             let is_symbol = matches!(dag.operation(op), Operation::Symbol(_));
-            (!is_linear(op) && (is_symbol || at_point.contains(&op))).then_some(RecordKind::Point)
+            (!is_linear(op) && (is_symbol || at_point.contains(&op))).then_some(record)
         };
         let places: FxHashMap<Op, Home> = dag.ops().map(|op| (op, place(op))).collect();
         let local = dag.ops().filter(|op| all.contains(op) && places[op].is_none());

@@ -11,8 +11,10 @@ mod latency;
 mod names;
 mod reassociate;
 mod statements;
+mod taylor;
 
 pub use derivative::derivative;
+pub use taylor::taylor;
 
 use crate::expr::{Arena, Expr, Matrix, Stage, Symbol, Vector};
 use crate::method::{Iteration, Step};

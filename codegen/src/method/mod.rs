@@ -11,6 +11,7 @@ mod names;
 pub mod presolve;
 mod step;
 pub mod tangent_lift;
+pub mod taylor;
 
 pub use step::{Increment, Iteration, Step, step_symbol};
 

@@ -42,6 +42,8 @@ pub struct Attribute {
     pub retractions: Vec<Retraction>,
     /// `derivatives` for all of them, or `derivatives(state, …)`
     pub derivatives: Derivatives,
+    /// `taylor`
+    pub taylor: bool,
     /// `units(momentum = "N m s", …)`
     pub units: Vec<Unit>,
     /// `scalar = f32`
@@ -221,6 +223,7 @@ impl Attribute {
             Key::Methods => self.methods = reader.methods(input, methods)?,
             Key::Retractions => self.retractions = reader.retractions(input)?,
             Key::Derivatives => self.derivatives = reader.derivatives(input)?,
+            Key::Taylor => self.taylor = reader.nothing(input)?,
             Key::Units => self.units = reader.entries(input, unit, |it| Some(&it.name))?,
             Key::Scalar => self.scalar = reader.scalar(input)?,
             Key::Crate => self.krate = reader.crate_path(input)?,
@@ -340,6 +343,14 @@ impl Reader<'_> {
         // the derivatives of composed steps by anything lead through the states between
         let state = state || controls || parameters;
         Ok(Derivatives { state, controls, parameters, tangent, adjoint })
+    }
+
+    /// A key that says all by itself.
+    fn nothing(&mut self, input: ParseStream<'_>) -> syn::Result<bool> {
+        if input.peek(Token![=]) || input.peek(token::Paren) {
+            return Err(input.error(format!("write `{}` alone", self.word)));
+        }
+        Ok(true)
     }
 
     /// `= SO3` or `(attitude: SO3, position: R3)`

@@ -21,6 +21,8 @@ pub enum Key {
     Retractions,
     /// Which derivatives of the steps are generated.
     Derivatives,
+    /// The power series of the motion, for Taylor steps.
+    Taylor,
     /// The units of state and controls.
     Units,
     /// What numbers the system is made of, where no field tells.
@@ -96,6 +98,7 @@ impl Key {
             Self::Methods,
             Self::Retractions,
             Self::Derivatives,
+            Self::Taylor,
             Self::Units,
             Self::Scalar,
         ];
@@ -115,6 +118,7 @@ impl Key {
             Self::Methods => ("methods", "methods(Midpoint)"),
             Self::Retractions => ("retractions", "retractions(Cayley)"),
             Self::Derivatives => ("derivatives", "derivatives(state)"),
+            Self::Taylor => ("taylor", "taylor"),
             Self::Units => ("units", "units(momentum = \"N m s\")"),
             Self::Scalar => ("scalar", "scalar = f32"),
             Self::Crate => ("crate", "crate = path::to::coadjoint"),

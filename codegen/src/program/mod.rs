@@ -10,7 +10,7 @@ mod text;
 
 pub use interface::{Constant, Documentation, Element, Inertia, Interface, Quantity, Transform};
 pub use operations::Operations;
-pub use roles::{DerivativeRole, FunctionRole, Signature, StepRole, SystemRole};
+pub use roles::{DerivativeRole, FunctionRole, Signature, StepRole, SystemRole, TaylorRole};
 
 /// Functions of one number.
 pub use crate::expr::Function as Elementary;
@@ -37,6 +37,17 @@ pub struct Program {
     pub functions: Vec<Module<SystemRole>>,
     /// Its steps.
     pub steps: Vec<StepProgram>,
+    /// The power series of its motion, if they are asked for.
+    pub taylor: Option<TaylorProgram>,
+}
+
+/// The power series of a system's motion.
+#[derive(Clone, Debug)]
+pub struct TaylorProgram {
+    /// The lengths of the blocks of what has a series that have a unit in common.
+    pub blocks: Vec<usize>,
+    /// Its functions.
+    pub module: Module<TaylorRole>,
 }
 
 /// The step of one scheme.
@@ -159,6 +170,14 @@ pub enum Input {
     Conserved,
     /// A velocity.
     Velocity,
+    /// The coefficients of a power series of one order.
+    Coefficients,
+    /// Sums of products of coefficients of lower orders.
+    Sums,
+    /// The order, a scalar.
+    Order,
+    /// What has a power series, at the end of a step.
+    End,
 }
 
 /// One line of code.

@@ -71,6 +71,18 @@ pub enum DerivativeRole {
     WrtParameters,
 }
 
+/// The functions of power series.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TaylorRole {
+    /// Once a step, a [step](RecordKind::Step)'s record, and the coefficients of order 0: of what has a series, and of
+    /// its changes.
+    Leading,
+    /// Once an order, the coefficients: of the changes, and of both operands of all products.
+    Next,
+    /// The next state.
+    Finish,
+}
+
 /// The functions of a system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SystemRole {
@@ -114,8 +126,8 @@ const ITERATE: Input = Input::Record(RecordKind::Iterate);
 const POINT: Input = Input::Record(RecordKind::Point);
 
 use Input::{
-    Conserved, Control, ControlPerturbation, Costate, ParameterPerturbation, Parameters, Residual, Right,
-    State, StatePerturbation, StepSize, Tangent, Time, Unknown, Velocity,
+    Coefficients, Conserved, Control, ControlPerturbation, Costate, End, Order, ParameterPerturbation,
+    Parameters, Residual, Right, State, StatePerturbation, StepSize, Sums, Tangent, Time, Unknown, Velocity,
 };
 
 /// The inputs of a function of the solution.
@@ -162,6 +174,19 @@ impl FunctionRole for DerivativeRole {
             Self::WrtState => row("wrt_state", &[POINT], &[], "The derivative with respect to state"),
             Self::WrtControl => row("wrt_control", &[POINT], &[], "The derivative with respect to control"),
             Self::WrtParameters => row("wrt_parameters", &[POINT], &[], "The derivative with respect to parameters"),
+        }
+    }
+}
+
+impl FunctionRole for TaylorRole {
+    #[rustfmt::skip]
+    fn signature(self) -> Signature {
+        match self {
+            Self::Leading => row("leading", &[Parameters, State, Time, Control, Velocity], &["start", "change"],
+                "Once a step: the coefficients of order 0"),
+            Self::Next => row("next", &[STEP, Coefficients, Sums, Order], &["change", "left", "right"],
+                "Once an order: the coefficients of the changes, and of what is multiplied"),
+            Self::Finish => row("finish", &[STEP, End], &["next"], "Once a step: the next state"),
         }
     }
 }

@@ -30,6 +30,8 @@ pub use geometry::{Geometry, Isolated};
 pub(crate) use right_lift::ConservedMomentum;
 use stepper::Stepper;
 
+use crate::taylor::{Adaptive, PowerSeries};
+
 /// A named quantity of one or more components: a parameter, a part of the state or a control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Quantity {
@@ -319,6 +321,18 @@ pub trait System: Sized {
         Self: Discretized<M>,
     {
         Stepper::new(self, step)
+    }
+
+    /// Takes Taylor steps that are as long as a tolerance allows: the local error of a step is about as large, relative to the largest of what has the same
+    /// unit.
+    ///
+    /// # Errors
+    /// If the parameters are not valid ([`validate`](Self::validate)), or the tolerance is not between 0 and 1.
+    fn adaptive(&self, tolerance: f64) -> Result<Adaptive<Self>, ParameterError>
+    where
+        Self: PowerSeries,
+    {
+        Adaptive::new(self, tolerance)
     }
 }
 

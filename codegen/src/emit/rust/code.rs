@@ -23,7 +23,8 @@ pub(super) fn inlined() -> TokenStream {
 /// Words that generated functions use for themselves, and the language's.
 #[rustfmt::skip]
 const RESERVED: &[&str] = &[
-    "state", "step", "unknown", "evaluation", "point", "costate", "through", "columns", "parameters", "time", "control", "by", "spatial", "velocity", "right",
+    "state", "step", "unknown", "evaluation", "point", "costate", "through", "columns", "parameters", "time", "control", "by", "spatial", "velocity", "right", "coefficients", "sums", "order", "end",
+    "operands",
     "self", "super", "crate", "as", "async", "await", "break", "const", "continue", "dyn", "else", "enum", "extern", "false", "fn", "for", "if",
     "impl", "in", "let", "loop", "match", "mod", "move", "mut", "pub", "ref", "return", "static", "struct", "trait", "true", "type", "unsafe",
     "use", "where", "while", "yield", "abstract", "become", "box", "do", "final", "gen", "macro", "override", "priv", "try", "typeof", "unsized",
@@ -75,7 +76,7 @@ pub(super) fn arguments<R>(function: &Function<R>) -> Vec<TokenStream> {
                 let n = size(function.length(Input::Unknown));
                 quote! { evaluation: &Evaluation<[T; #n], Self::Iterate> }
             }
-            Input::Time | Input::StepSize => quote! { #name: T },
+            Input::Time | Input::StepSize | Input::Order => quote! { #name: T },
             _ => quote! { #name: &[T; #n] },
         })
     };
@@ -117,6 +118,10 @@ fn argument_name(input: Input) -> Ident {
         Input::Tangent => "by",
         Input::Conserved => "conserved",
         Input::Velocity => "velocity",
+        Input::Coefficients => "coefficients",
+        Input::Sums => "sums",
+        Input::Order => "order",
+        Input::End => "end",
     };
     Ident::new(name, Span::call_site())
 }
@@ -157,7 +162,7 @@ fn unpacked(module: &Values, argument: &Argument) -> TokenStream {
     let name = argument_name(*input);
     let used: Vec<Ident> = values.iter().flatten().map(|&value| ident(module, value)).collect();
     let from = match input {
-        Input::StepSize | Input::Time => return quote! { #(let #used = #name;)* },
+        Input::StepSize | Input::Time | Input::Order => return quote! { #(let #used = #name;)* },
         Input::Residual => quote! { evaluation.residual },
         Input::Right => quote! { evaluation.right },
         Input::Record(RecordKind::Iterate) => quote! { evaluation.iterate },
@@ -165,7 +170,8 @@ fn unpacked(module: &Values, argument: &Argument) -> TokenStream {
         _ => quote! { *#name },
     };
     let patterns = values[..=last].iter().map(|value| pattern(module, *value));
-    let rest = (last + 1 < values.len()).then(|| quote! { , .. });
+    // there may be more sums than are used
+    let rest = (last + 1 < values.len() || *input == Input::Sums).then(|| quote! { , .. });
     quote! { let [#(#patterns),* #rest] = #from; }
 }
 

@@ -14,6 +14,7 @@ mod stand_in;
 mod state;
 mod system;
 mod tangents;
+mod taylor;
 
 pub use names::Names;
 pub(crate) use stand_in::stand_in;
@@ -40,6 +41,8 @@ pub struct Expansion {
     pub geometry: TokenStream,
     /// The `Differentiable` implementation, if derivatives are asked for.
     pub tangents: TokenStream,
+    /// The `PowerSeries` implementation, if Taylor steps are asked for.
+    pub taylor: TokenStream,
     /// Each step: its intermediate representation and its code.
     pub steps: Vec<StepExpansion>,
     /// The `Schemes` implementation: all steps, to be chosen from while a program runs.
@@ -59,11 +62,12 @@ pub struct StepExpansion {
 impl Expansion {
     /// All of it.
     pub fn into_tokens(self) -> TokenStream {
-        let Self { declaration, state, expressions, system, geometry, tangents, steps, schemes } = self;
+        let Self { declaration, state, expressions, system, geometry, tangents, taylor, steps, schemes } =
+            self;
         let steps = steps
             .into_iter()
             .map(|StepExpansion { tokens, derivative, .. }| block(&quote! { #tokens #derivative }));
-        quote! { #declaration #state #expressions #system #geometry #tangents #(#steps)* #schemes }
+        quote! { #declaration #state #expressions #system #geometry #tangents #taylor #(#steps)* #schemes }
     }
 }
 
@@ -96,6 +100,11 @@ pub fn expansion(
         } else {
             quote! {}
         },
+        taylor: program
+            .taylor
+            .as_ref()
+            .map(|series| taylor::taylor(names, interface, series))
+            .unwrap_or_default(),
         schemes: schemes::schemes(names, &program.steps),
         steps: program.steps.into_iter().map(step).collect(),
     }

@@ -1,0 +1,304 @@
+//! Taylor steps: the motion as a power series in time, put back on the group and the coadjoint orbit.
+//!
+//! Beside what the motion is made of, the series are those of the element of the group by which the step moves the
+//! configuration, `r' = r ξ`, and of its translations of the advected parameters' spaces, `w' = ∂h/∂a − ρ_ξ w`. Both
+//! start from the identity. At the end of the step `r` is put back on the group, and
+//!
+//! ```text
+//! g_{k+1} = g_k r,   a_{k+1} = Ad*_r a_k,   μ_{k+1} = Ad*_r μ_k − Σ J(w, a_{k+1})
+//! ```
+//!
+//! whatever rest the series have: the Casimirs are kept to rounding. Where the energy depends on the configuration, or a
+//! force acts, there is no more to be kept by the momentum, which is then that of its own series. Right-invariant
+//! systems move by `r⁻¹`, with `r' = −r ξ`.
+
+use std::collections::BTreeSet;
+
+use super::discretization::{Values, bind};
+use super::motion::Field;
+use crate::expr::{Arena, Expr, Recurrences, Stage, Unknown, Vector, gradient};
+use crate::group::{Retraction, Semidirect, Side};
+use crate::model::{Advected, Energy, Parts, System};
+use crate::quantity::Kind;
+
+/// The motion of a system as power series.
+pub struct Taylor<'a> {
+    /// How coefficients follow from those before.
+    pub recurrences: Recurrences<'a>,
+    /// What the unknowns start from.
+    pub start: Vector<'a>,
+    /// The lengths of the blocks of unknowns that have a unit in common.
+    pub blocks: Vec<usize>,
+    /// Stand for the unknowns at the end of the step.
+    pub end: Vector<'a>,
+    /// The state at the end of the step.
+    pub next: Vector<'a>,
+}
+
+/// What has a series.
+struct Unknowns<'a> {
+    all: Vec<Unknown<'a>>,
+    /// Stand for them at the end of the step.
+    end: Vec<Expr<'a>>,
+    blocks: Vec<usize>,
+}
+
+/// The series of a system's motion. None where a function in its description has no closed recurrence.
+pub fn taylor<'a>(arena: &'a Arena, system: &System<'a>) -> Option<Taylor<'a>> {
+    let motion = Motion::new(arena, system);
+    let unknowns = motion.unknowns();
+    let recurrences = Recurrences::new(arena, &unknowns.all)?;
+    let end = Vector(unknowns.end.clone());
+    let next = motion.next(&unknowns);
+    let start = Vector(unknowns.all.iter().map(|unknown| unknown.start).collect());
+    Some(Taylor { recurrences, start, blocks: unknowns.blocks, end, next })
+}
+
+/// A motion in the unknowns of its series.
+struct Motion<'s, 'a> {
+    arena: &'a Arena,
+    system: &'s System<'a>,
+    /// `r`
+    relative: Vector<'a>,
+    /// `w`, where the momentum is kept by them.
+    translations: Vec<Vector<'a>>,
+    /// What has a series of its own: the velocity of a Lagrangian, else the momentum.
+    moving: Vector<'a>,
+    /// The changes of all of them, and of the advected parameters.
+    relative_change: Vector<'a>,
+    translation_changes: Vec<Vector<'a>>,
+    moving_change: Vector<'a>,
+    advected_changes: Vec<Vector<'a>>,
+}
+
+impl<'s, 'a> Motion<'s, 'a> {
+    fn new(arena: &'a Arena, system: &'s System<'a>) -> Self {
+        let group = &system.group;
+        let numbered = |name: &str, length: usize| {
+            Vector((1..=length).map(|i| arena.symbol(format!("{name}_{i}"), Stage::Step)).collect())
+        };
+        let relative = numbered("relative", system.configuration().len());
+        let field = Field::new(arena, system);
+        let velocity = match &system.energy {
+            Energy::Mechanical { inertia, .. } => inertia.inverse().map(Expr::hold).times(&system.momentum()),
+            _ => system.velocity(),
+        };
+        let velocity = match system.energy {
+            Energy::Lagrangian(_) => system.velocity_symbols(),
+            _ => velocity,
+        };
+        // momentum and velocity by each other, then the configuration by where the step has come to
+        let mut by_each_other = Values::new();
+        match &system.energy {
+            Energy::Lagrangian(lagrangian) => {
+                let momentum = gradient(*lagrangian, &velocity.symbols());
+                bind(&mut by_each_other, &system.momentum(), &momentum);
+            }
+            _ => bind(&mut by_each_other, &system.velocity_symbols(), &velocity),
+        }
+        let come_to = match system.side {
+            Side::Left => relative.clone(),
+            Side::Right => group.inverse(&relative),
+        };
+        let configuration = group.compose(system.side, &system.configuration(), &come_to);
+        let mut here = Values::new();
+        bind(&mut here, &system.configuration(), &configuration);
+        let there = |vector: &Vector<'a>| vector.substitute(&by_each_other).substitute(&here);
+
+        let sign = arena.number(system.side.sign());
+        let velocity = there(&velocity).scale(sign);
+        let is_kept = system.kick().is_none() && !matches!(system.energy, Energy::Lagrangian(_));
+        let mut translations = Vec::new();
+        let mut translation_changes = Vec::new();
+        let mut by_advected = system.advected().map(|a| gradient(system.potential(), &a.value.symbols()));
+        for (factor, place) in group.parts().filter(|_| is_kept) {
+            for space in &factor.spaces {
+                let by = there(&by_advected.next().unwrap_or_else(|| Vector(Vec::new()))).scale(sign);
+                let name = format!("translation_{}", translations.len() + 1);
+                let translation = numbered(&name, by.len());
+                let turned = space.act_infinitesimally(&place.algebra(&velocity), &translation);
+                translation_changes.push(&by - &turned);
+                translations.push(translation);
+            }
+        }
+        let (moving, change) = match system.energy {
+            Energy::Lagrangian(_) => (system.velocity_symbols(), &field.acceleration),
+            _ => (system.momentum(), &field.momentum),
+        };
+        Self {
+            arena,
+            system,
+            relative_change: group.stored_perturbation(&relative, &velocity),
+            relative,
+            translations,
+            translation_changes,
+            moving,
+            moving_change: there(change),
+            advected_changes: field.advected.iter().map(there).collect(),
+        }
+    }
+
+    /// Whether the momentum follows from the element of the group.
+    fn is_kept(&self) -> bool {
+        self.system.kick().is_none() && !matches!(self.system.energy, Energy::Lagrangian(_))
+    }
+
+    /// What needs a series: the element of the group and its translations, the momentum where it does not follow from
+    /// them, advected parameters that the group does not carry in closed form, and whatever the series of these need.
+    fn unknowns(&self) -> Unknowns<'a> {
+        let Self { arena, system, .. } = self;
+        let identity = self.identity();
+        let mut candidates: Vec<(Vector<'a>, Vector<'a>, Vector<'a>, bool)> = Vec::new();
+        for (factor, place) in system.group.parts() {
+            let parts = [&self.relative, &identity, &self.relative_change].map(|whole| place.stored(whole));
+            let unit = unit_length(factor.group.names().kind);
+            let length = parts[0].len();
+            for range in [0..unit, unit..length].into_iter().filter(|range| !range.is_empty()) {
+                let [symbol, start, change] = [0, 1, 2].map(|k| parts[k].part(range.clone()));
+                candidates.push((symbol, start, change, true));
+            }
+        }
+        for (translation, change) in self.translations.iter().zip(&self.translation_changes) {
+            candidates.push((translation.clone(), Vector::zeros(arena, change.len()), change.clone(), true));
+        }
+        let mut from = 0;
+        for length in system.group.blocks() {
+            let range = from..from + length;
+            from += length;
+            let [symbol, change] = [&self.moving, &self.moving_change].map(|whole| whole.part(range.clone()));
+            candidates.push((symbol.clone(), symbol, change, !self.is_kept()));
+        }
+        for (place, (advected, change)) in system.advected().zip(&self.advected_changes).enumerate() {
+            let is_carried = self.carried(place).is_some();
+            candidates.push((advected.value.clone(), advected.value.clone(), change.clone(), !is_carried));
+        }
+        let time = Vector(vec![system.time]);
+        // the momentum at the end may depend on the time, whatever the motion does
+        let is_timed = matches!(system.energy, Energy::Lagrangian(_))
+            && system.potential().depends_on(&system.time_symbol());
+        candidates.push((time.clone(), time, Vector(vec![arena.one()]), is_timed));
+
+        let mut needed: BTreeSet<usize> =
+            candidates.iter().enumerate().filter(|(_, one)| one.3).map(|(place, _)| place).collect();
+        loop {
+            let used = |symbols: &Vector<'a>| {
+                needed.iter().any(|&place| candidates[place].2.depends_on(&symbols.symbols()))
+            };
+            let more: Vec<usize> = (0..candidates.len())
+                .filter(|place| !needed.contains(place) && used(&candidates[*place].0))
+                .collect();
+            if more.is_empty() {
+                break;
+            }
+            needed.extend(more);
+        }
+        let mut unknowns = Unknowns { all: Vec::new(), end: Vec::new(), blocks: Vec::new() };
+        for place in needed {
+            let (symbols, starts, changes, _) = &candidates[place];
+            unknowns.blocks.push(symbols.len());
+            for ((symbol, start), change) in symbols.iter().zip(starts.iter()).zip(changes.iter()) {
+                unknowns.all.push(Unknown { symbol, start, change });
+                let name = symbol.as_symbol().map(|symbol| arena.symbol_info(symbol).name);
+                let name = format!("{}_end", name.unwrap_or_default());
+                unknowns.end.push(arena.symbol(name, Stage::Iteration));
+            }
+        }
+        unknowns
+    }
+
+    /// The identity of the group.
+    fn identity(&self) -> Vector<'a> {
+        let (arena, group) = (self.arena, &self.system.group);
+        group.retract(Retraction::Exponential, &Vector::zeros(arena, group.dimension()))
+    }
+
+    /// `Ad*_r a` of an advected parameter, where there is a form of it.
+    fn carried(&self, place: usize) -> Option<Vector<'a>> {
+        let advected = &self.system.advected().nth(place)?.value;
+        let (factor, at) = self.system.group.parts().find(|(_, at)| at.spaces.contains(&place))?;
+        let space = factor.spaces[place - at.spaces.start];
+        let relative = at.stored(&self.relative);
+        let image = |axis: usize| {
+            let unit = (0..advected.len()).map(|k| match k == axis {
+                true => self.arena.one(),
+                false => self.arena.zero(),
+            });
+            space.act(&relative, &Vector(unit.collect()))
+        };
+        let images: Option<Vec<_>> = (0..advected.len()).map(image).collect();
+        Some(Vector(images?.iter().map(|image| advected.dot(image)).collect()))
+    }
+
+    /// The state at the end of the step.
+    fn next(&self, unknowns: &Unknowns<'a>) -> Vector<'a> {
+        let (system, group) = (self.system, &self.system.group);
+        let mut ends = Values::new();
+        for (unknown, &end) in unknowns.all.iter().zip(&unknowns.end) {
+            bind(&mut ends, &Vector(vec![unknown.symbol]), &Vector(vec![end]));
+        }
+        let at_end = |vector: &Vector<'a>| vector.substitute(&ends);
+        // back on the group
+        let relative = at_end(&self.relative);
+        let parts = group.parts().map(|(factor, place)| put_back(factor, &place.stored(&relative)));
+        let relative = Vector(parts.flat_map(|part| part.0).collect()).hold();
+        let come_to = match system.side {
+            Side::Left => relative.clone(),
+            Side::Right => group.inverse(&relative),
+        };
+        let moved = group.compose(system.side, &system.configuration(), &come_to).hold();
+        let parts = group.parts().map(|(factor, place)| factor.group.normalize(&place.stored(&moved)));
+        let configuration = Vector(parts.flat_map(|part| part.0).collect()).hold();
+
+        let mut by = Values::new();
+        bind(&mut by, &self.relative, &relative);
+        let carried = |(place, a): (usize, &Advected<'a>)| match self.carried(place) {
+            Some(carried) => carried.substitute(&by).hold(),
+            None => at_end(&a.value),
+        };
+        let advected: Vec<Vector<'a>> = system.advected().enumerate().map(carried).collect();
+        let momentum = if self.is_kept() {
+            let back = group.inverse(&relative);
+            let momentum = group.to_space(&back, &system.momentum()).hold();
+            let translations: Vec<Vector<'a>> = self.translations.iter().map(at_end).collect();
+            group.shifted(&momentum, &translations, &advected)
+        } else if let Energy::Lagrangian(lagrangian) = &system.energy {
+            let mut there = Values::new();
+            bind(&mut there, &system.configuration(), &configuration);
+            for (symbols, value) in system.advected_values().iter().zip(&advected) {
+                bind(&mut there, symbols, value);
+            }
+            let others = [&self.moving, &Vector(vec![system.time])];
+            for symbols in others {
+                bind(&mut there, symbols, &at_end(symbols));
+            }
+            gradient(*lagrangian, &self.moving.symbols()).substitute(&there)
+        } else {
+            at_end(&self.moving)
+        };
+        system.join_state(&Parts { configuration, momentum, advected })
+    }
+}
+
+/// How many of the stored coordinates are of unit length together.
+fn unit_length(kind: Kind) -> usize {
+    match kind {
+        Kind::UnitComplex | Kind::RigidMotion2 => 2,
+        Kind::UnitQuaternion | Kind::RigidMotion3 => 4,
+        Kind::Scalar | Kind::Vector(_) | Kind::Symmetric(_) | Kind::Matrix(..) => 0,
+    }
+}
+
+/// What the rest of a series has taken off the group, back on it: a rotation by its length, a matrix by Newton's method.
+fn put_back<'a>(factor: &Semidirect, relative: &Vector<'a>) -> Vector<'a> {
+    match unit_length(factor.group.names().kind) {
+        0 => (0..NEWTON_STEPS).fold(relative.clone(), |g, _| factor.group.normalize(&g).hold()),
+        length => {
+            let rotation = relative.part(0..length);
+            let scale = rotation.squared_norm().sqrt().recip().hold();
+            Vector::concat([&rotation.scale(scale), &relative.part(length..relative.len())])
+        }
+    }
+}
+
+/// Newton steps from the largest tolerance, 1e-3, to rounding.
+const NEWTON_STEPS: usize = 3;

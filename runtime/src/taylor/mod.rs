@@ -1,0 +1,297 @@
+//! Taylor steps: one trajectory to many digits, with steps as long as a tolerance allows.
+//!
+//! The motion is a power series in time whose coefficients follow from each other by recurrences, which the generator derives for descriptions with the key
+//! `taylor`. The end of a step is put back on the group and the coadjoint orbit by the group element that was integrated along: Casimirs and
+//! attitude are kept to rounding at every tolerance, the energy to the tolerance. A step is no symplectic map: over very long times the steps of
+//! [`Stepper`](crate::Stepper) keep more.
+//!
+//! ```
+//! use coadjoint::prelude::*;
+//!
+//! /// A rigid body that turns about a fixed point under gravity.
+//! #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.dot(&chi), taylor)]
+//! struct Top {
+//!     #[inertia]
+//!     inertia: Vector3<f64>,
+//!     weight: f64,
+//!     chi: Vector3<f64>,
+//! }
+//!
+//! let top = Top { inertia: vector![1.0, 10.0, 100.0], weight: 1.0, chi: vector![0.3, 0.2, 1.0] };
+//! let mut state =
+//!     TopState { attitude: UnitQuaternion::identity(), momentum: vector![1.0, 1.0, 1.0], gamma: Vector3::z() };
+//! let energy = top.energy(&state);
+//! let mut trajectory = top.adaptive(1e-12)?;
+//! trajectory.to(&mut state, 100.0)?;
+//! assert_eq!(trajectory.time(), 100.0);
+//! assert!((top.energy(&state) - energy).abs() < 1e-11);
+//! assert!((state.gamma.norm() - 1.0).abs() < 1e-14);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod series;
+
+use core::fmt;
+
+use crate::error::{ParameterError, StepError};
+use crate::scalar::{Batch, Real, Scalar as _};
+use crate::stepper::report::{RunError, RunReport};
+use crate::stepper::{StepReport, check_deviation, check_step};
+#[cfg(doc)]
+use crate::system::System;
+use crate::system::{Control, State};
+use series::{Advance, Length, Series, Start};
+pub use series::{Leading, MOST_COEFFICIENTS, Next, PowerSeries};
+
+/// The lowest order: the rule for the step looks at the last two terms.
+const LEAST_ORDER: usize = 4;
+
+/// Takes Taylor steps along one trajectory, each as long as the tolerance allows.
+///
+/// Built by [`System::adaptive`]. The local error of a step, relative to the largest of what has the same unit, is about the tolerance.
+/// Time is carried in twice the digits.
+pub struct Adaptive<S: PowerSeries> {
+    system: S,
+    tolerance: f64,
+    /// A step that is always the same, if it is.
+    fixed: Option<f64>,
+    /// No step is longer.
+    most: f64,
+    /// The time in two numbers.
+    time: [f64; 2],
+    taken: u64,
+    /// The last step: how long it was.
+    last: Option<f64>,
+    series: Series<S, S::Scalar>,
+}
+
+impl<S: PowerSeries> Adaptive<S> {
+    pub(crate) fn new(system: &S, tolerance: f64) -> Result<Self, ParameterError> {
+        system.validate()?;
+        if !(tolerance > 0.0 && tolerance < 1.0) {
+            return Err(ParameterError::Tolerance { tolerance });
+        }
+        // no number has more digits
+        let attainable = tolerance.max(S::Scalar::EPSILON / 2.0);
+        let order = (1.0 - 0.5 * f64::ln(attainable)).ceil() as usize;
+        Ok(Self {
+            system: S::from_parameters(&system.to_parameters()),
+            tolerance,
+            fixed: None,
+            most: f64::INFINITY,
+            time: [0.0; 2],
+            taken: 0,
+            last: None,
+            series: Series::new(order.clamp(LEAST_ORDER, MOST_COEFFICIENTS)),
+        })
+    }
+
+    /// Takes steps of this order, whatever the tolerance: from 4 to 32.
+    ///
+    /// The step's length then follows from the order, as if it had been chosen for the tolerance `e^{2 − 2N}`.
+    pub fn with_order(mut self, order: usize) -> Self {
+        self.series.set_order(order.clamp(LEAST_ORDER, MOST_COEFFICIENTS));
+        self
+    }
+
+    /// Takes steps of this length, whatever their error.
+    ///
+    /// # Errors
+    /// If the step is zero or not finite.
+    pub fn with_step(mut self, step: f64) -> Result<Self, ParameterError> {
+        check_step(step)?;
+        self.fixed = Some(step);
+        Ok(self)
+    }
+
+    /// Takes no longer steps than this; an infinite or negative bound is none.
+    pub fn with_max_step(mut self, step: f64) -> Self {
+        self.most = if step > 0.0 { step } else { f64::INFINITY };
+        self
+    }
+
+    /// The system, as it was when this was built.
+    pub fn system(&self) -> &S {
+        &self.system
+    }
+
+    /// The tolerance.
+    pub fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
+    /// The order of the steps.
+    pub fn order(&self) -> usize {
+        self.series.order()
+    }
+
+    /// The time at which the next step starts.
+    pub fn time(&self) -> f64 {
+        self.time[0]
+    }
+
+    /// Sets the time: the next step starts at `time`.
+    pub fn set_time(&mut self, time: f64) {
+        self.time = [time, 0.0];
+    }
+
+    /// The steps taken.
+    pub fn steps_taken(&self) -> u64 {
+        self.taken
+    }
+
+    /// The length of the last step; 0 before the first.
+    pub fn last_step(&self) -> f64 {
+        self.last.unwrap_or(0.0)
+    }
+
+    /// Takes one step forward in time with all controls zero. Returns its length.
+    ///
+    /// # Errors
+    /// As [`step_with`](Self::step_with).
+    pub fn step(&mut self, state: &mut S::State) -> Result<f64, StepError> {
+        self.step_with(state, &S::Control::default())
+    }
+
+    /// Takes one step forward in time with `control` held. Returns its length.
+    ///
+    /// # Errors
+    /// If the state, the time or the control is not finite, or the state's configuration not on its group; or if the step would be so short that time
+    /// does not go on, as before a singularity. State and time are then as before the call.
+    pub fn step_with(&mut self, state: &mut S::State, control: &S::Control) -> Result<f64, StepError> {
+        self.advance(state, control, self.fixed.map_or(Length::AtMost(self.most), Length::Exactly))
+    }
+
+    /// Takes one step toward a time with `control` held, and no farther. Returns its length; 0 where it is that time.
+    ///
+    /// # Errors
+    /// As [`step_with`](Self::step_with); and if the time is not finite.
+    pub fn step_toward(
+        &mut self,
+        state: &mut S::State,
+        control: &S::Control,
+        time: f64,
+    ) -> Result<f64, StepError> {
+        let way = (time - self.time[0]) - self.time[1];
+        if !way.is_finite() {
+            return Err(StepError::OutOfReach { time });
+        }
+        if way == 0.0 {
+            return Ok(0.0);
+        }
+        let longest = self.fixed.map_or(self.most, f64::abs);
+        let length = match self.fixed {
+            Some(_) => Length::Exactly(if longest < way.abs() { longest.copysign(way) } else { way }),
+            None => Length::AtMost(way.abs().min(longest).copysign(way)),
+        };
+        let step = self.advance(state, control, length)?;
+        if step == way {
+            self.time = [time, 0.0];
+        }
+        Ok(step)
+    }
+
+    /// Takes steps until a time with all controls zero, forward or backward. The last one ends there.
+    ///
+    /// # Errors
+    /// If a step cannot be taken; state and time are then the last ones that were reached.
+    pub fn to(&mut self, state: &mut S::State, time: f64) -> Result<RunReport, RunError> {
+        self.to_with(state, &S::Control::default(), time)
+    }
+
+    /// Takes steps until a time with `control` held.
+    ///
+    /// # Errors
+    /// As [`to`](Self::to).
+    pub fn to_with(
+        &mut self,
+        state: &mut S::State,
+        control: &S::Control,
+        time: f64,
+    ) -> Result<RunReport, RunError> {
+        let mut report = RunReport::default();
+        loop {
+            match self.step_toward(state, control, time) {
+                Ok(0.0) => return Ok(report),
+                Ok(_) => report.count(&StepReport { iterations: 0, residual: 0.0 }),
+                Err(cause) => return Err(RunError::new(self.taken + 1, self.time(), report, cause)),
+            }
+        }
+    }
+
+    /// The state within the last step, from 0 at its start to 1 at its end: on the group and the orbit, and as accurate as the end. None before the
+    /// first step, and outside of it.
+    pub fn at(&self, share: f64) -> Option<S::State> {
+        let step = self.last.filter(|_| (0.0..=1.0).contains(&share))?;
+        Some(S::State::from_components(&self.series.state(S::Scalar::of(share * step))))
+    }
+
+    fn advance(
+        &mut self,
+        state: &mut S::State,
+        control: &S::Control,
+        length: Length,
+    ) -> Result<f64, StepError> {
+        check_deviation(state.deviation().to_f64())?;
+        let time = S::Scalar::of(self.time[0]);
+        let components = state.to_components();
+        let control_components = control.to_components();
+        let is_finite = |numbers: &[S::Scalar]| numbers.iter().all(|x| x.is_finite());
+        if !is_finite(components.as_ref()) || !is_finite(control_components.as_ref()) || !time.is_finite() {
+            return Err(StepError::NotFinite);
+        }
+        let velocity = self.system.start_velocity(state, time, control);
+        let (step, next) = <S::Scalar as Batch>::dispatch_wide(Advance {
+            series: &mut self.series,
+            start: Start {
+                parameters: &self.system.to_parameters(),
+                state: &components,
+                time,
+                control: &control_components,
+                velocity: &velocity,
+            },
+            before: self.last,
+            length,
+        });
+        let [high, low] = self.time;
+        if step == 0.0 || step.abs() < SHORTEST * high.abs() {
+            self.last = None;
+            return Err(StepError::NoProgress { step });
+        }
+        if !step.is_finite() || !is_finite(next.as_ref()) {
+            self.last = None;
+            return Err(if step.is_finite() { StepError::NotFinite } else { StepError::NoEnd });
+        }
+        *state = S::State::from_components(&next);
+        // both numbers of the time, and the step
+        let sum = high + step;
+        let part = sum - high;
+        let rest = ((high - (sum - part)) + (step - part)) + low;
+        self.time = [sum + rest, rest - ((sum + rest) - sum)];
+        self.last = Some(step);
+        self.taken += 1;
+        Ok(step)
+    }
+}
+
+/// A step that is shorter than this share of the time leads nowhere.
+const SHORTEST: f64 = 4.0 * f64::EPSILON;
+
+impl<S: PowerSeries + Clone> Clone for Adaptive<S> {
+    fn clone(&self) -> Self {
+        let Self { tolerance, fixed, most, time, taken, last, .. } = *self;
+        let (system, series) = (self.system.clone(), self.series.clone());
+        Self { system, tolerance, fixed, most, time, taken, last, series }
+    }
+}
+
+impl<S: PowerSeries> fmt::Debug for Adaptive<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Adaptive")
+            .field("system", &S::NAME)
+            .field("tolerance", &self.tolerance)
+            .field("order", &self.order())
+            .field("time", &self.time())
+            .finish_non_exhaustive()
+    }
+}
