@@ -19,6 +19,7 @@ use proc_macro::TokenStream;
 /// | `methods(Midpoint, HamiltonJacobi(6), Family(1, 4), TangentLift)` | schemes to generate beside the standard ones |
 /// | `retractions(Cayley)` | the retractions to generate steps with: `Exponential`, `Cayley`, `SecondKind`; without it the first two, on some groups of matrices one of them |
 /// | `derivatives`, `derivatives(state, controls, parameters, tangent, adjoint)` | the derivatives of steps to generate, all or those named |
+/// | `taylor` | power series of the motion, for Taylor steps to a tolerance: `top.adaptive(1e-12)` |
 /// | `units(momentum = "N m s")` | the units of state and controls, for tables, plots and pages; of a parameter by `#[unit("kg m²")]` on its field |
 /// | `scalar = f32` | the numbers of a system whose fields do not tell: `f64` otherwise |
 /// | `crate = path::to::coadjoint` | where `coadjoint` is, if renamed or re-exported |

@@ -135,6 +135,11 @@ pub enum StepError {
         /// The step that the series would allow.
         step: f64,
     },
+    /// A Taylor step holds its control; an input that is a function of time has its series where the description names the time `t`.
+    #[error(
+        "Taylor steps hold their controls: write an input that is a function of time into the description, by `t`"
+    )]
+    NotDriven,
     /// A Taylor step would have no end, for the motion is a polynomial in time, as it is at rest.
     #[error(
         "the motion is a polynomial in time, so that a step of any length is exact: say to which time, or bound the step"

@@ -14,6 +14,7 @@
 //! * [Spheres and round bodies](spheres): directions, spins, pendulums
 //! * [Choosing retraction, method and order](choosing), and when structure pays
 //! * [Choosing a step](step_size), and where the time scale changes
+//! * [Trajectories to many digits](taylor): Taylor steps to a tolerance, and which method when
 //! * [The mathematics](mathematics)
 //!
 //! **How to …**
@@ -52,6 +53,7 @@ pages![
     spheres,
     choosing,
     step_size,
+    taylor,
     mathematics,
     rigid_motions,
     forces,

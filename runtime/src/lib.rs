@@ -267,7 +267,7 @@ pub mod __private {
         Control, Generated, Geometry, Isolated, Kind, NoControl, Quantity, Retracted, Role, Schemes, Side,
         State, Stored, System, Visitor, larger, quantity,
     };
-    pub use crate::taylor::{Leading, Next, PowerSeries};
+    pub use crate::taylor::{Leading, Next, PowerSeries, SeriesVisitor};
     pub use coadjoint_macros::lie_poisson_system_with;
     pub use nalgebra;
 }

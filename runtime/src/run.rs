@@ -366,6 +366,9 @@ where
     /// If a step cannot be taken; state and stepper's time are then the last ones that were reached. If no number of steps leads to `time`, since it
     /// is not finite, too far or behind: nothing is done then.
     pub fn to(mut self, time: f64) -> Result<RunReport, RunError> {
+        if self.stepper.is_adaptive() {
+            return self.adaptively_to(time);
+        }
         let (whole, rest) = self.way(time, false)?;
         let mut report = RunReport::default();
         let last = self.walk(whole, None, &mut report)?;
@@ -377,6 +380,29 @@ where
             taken?;
         }
         Ok(report)
+    }
+
+    /// Takes steps that are as long as a tolerance allows; the last one ends at the time.
+    fn adaptively_to(mut self, time: f64) -> Result<RunReport, RunError> {
+        let mut report = RunReport::default();
+        self.begin();
+        if !time.is_finite() {
+            let (step, now, cause) =
+                (self.stepper.steps_taken() + 1, self.stepper.time(), StepError::OutOfReach { time });
+            return Err(RunError::new(step, now, report, cause));
+        }
+        self.stepper.set_end(time);
+        let taken = self.walk_to(time, &mut report);
+        self.stepper.set_end(f64::INFINITY);
+        taken.map(|()| report)
+    }
+
+    fn walk_to(&mut self, time: f64, report: &mut RunReport) -> Result<(), RunError> {
+        let mut last = self.walk(0, None, report)?;
+        while self.stepper.time() != time && !report.stopped {
+            last = self.walk(1, Some(last), report)?;
+        }
+        Ok(())
     }
 
     /// Takes whole steps until `time` is reached or passed, fewer if an observer ends the run; none if it is behind.

@@ -11,6 +11,7 @@ use std::time::Instant;
 
 use coadjoint::nalgebra::SVector;
 use coadjoint::prelude::*;
+use coadjoint::taylor::PowerSeries;
 use coadjoint::{Discretized, Run, System};
 use ode_solvers::dop_shared::OutputType;
 use ode_solvers::{Dop853, SVector as Column};
@@ -32,7 +33,8 @@ type State = SVector<f64, 10>;
 #[lie_poisson_system(
     group = SO3,
     retractions(Exponential),
-    methods(HamiltonJacobi(4), HamiltonJacobi(6), HamiltonJacobi(8), HamiltonJacobi(10))
+    methods(HamiltonJacobi(4), HamiltonJacobi(6), HamiltonJacobi(8), HamiltonJacobi(10)),
+    taylor
 )]
 struct Body {
     #[inertia]
@@ -45,7 +47,8 @@ struct Body {
     advected(gamma: R3),
     potential = gamma.dot(&chi),
     retractions(Exponential),
-    methods(HamiltonJacobi(4), HamiltonJacobi(6), HamiltonJacobi(8))
+    methods(HamiltonJacobi(4), HamiltonJacobi(6), HamiltonJacobi(8)),
+    taylor
 )]
 struct Top {
     #[inertia]
@@ -148,21 +151,40 @@ fn run<S: Discretized<M> + System<Scalar = f64>, M>(system: &S, start: S::State,
     end
 }
 
+/// Taylor steps of ours.
+fn taylor<S: PowerSeries + System<Scalar = f64>>(system: &S, mut state: S::State, tolerance: f64) -> State {
+    let mut end = State::from(self::start());
+    system.adaptive(tolerance).unwrap().to(&mut state, DURATION).unwrap();
+    let components = state.to_components();
+    end.as_mut_slice()[..components.as_ref().len()].copy_from_slice(components.as_ref());
+    end
+}
+
+fn a_body() -> (Body, BodyState) {
+    let start = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![1.0, 1.0, 1.0] };
+    (Body { inertia: INERTIA.into() }, start)
+}
+
+fn a_top() -> (Top, TopState) {
+    let momentum = vector![1.0, 1.0, 1.0];
+    let start = TopState { attitude: UnitQuaternion::identity(), momentum, gamma: Vector3::z() };
+    (Top { inertia: INERTIA.into(), chi: CHI.into() }, start)
+}
+
 fn body<M>(step: f64) -> State
 where
     Body: Discretized<M>,
 {
-    let start = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![1.0, 1.0, 1.0] };
-    run::<_, M>(&Body { inertia: INERTIA.into() }, start, step)
+    let (body, start) = a_body();
+    run::<_, M>(&body, start, step)
 }
 
 fn top<M>(step: f64) -> State
 where
     Top: Discretized<M>,
 {
-    let momentum = vector![1.0, 1.0, 1.0];
-    let start = TopState { attitude: UnitQuaternion::identity(), momentum, gamma: Vector3::z() };
-    run::<_, M>(&Top { inertia: INERTIA.into(), chi: CHI.into() }, start, step)
+    let (top, start) = a_top();
+    run::<_, M>(&top, start, step)
 }
 
 /// The distance, where a quaternion is as good as its opposite.
@@ -201,12 +223,16 @@ fn row(name: &str, exact: &State, settings: impl Iterator<Item = f64>, run: impl
 
 /// The rows of a system.
 macro_rules! rows {
-    ($name:literal, $top:literal, $run:ident, [$($order:literal),*]) => {{
+    ($name:literal, $top:literal, $run:ident, $start:ident, [$($order:literal),*]) => {{
         let exact = $run::<Order10<Exponential>>(0.05);
         let errors = ERRORS.map(|error| format!("{error:>16e}"));
         println!("{:16}{}", $name, errors.concat());
         row("RK4", &exact, settings(0.2, 1e-3, 0.7), rk4::<$top>);
         row("DOP853", &exact, settings(1e-3, 1e-14, 0.5), dop853::<$top>);
+        row("Taylor", &exact, settings(1e-2, 1e-15, 0.5), |tolerance| {
+            let (system, start) = $start();
+            taylor(&system, start, tolerance)
+        });
         row("composed, 4", &exact, settings(0.5, 4e-3, 0.7), $run::<Order4<Exponential>>);
         row("composed, 6", &exact, settings(1.0, 0.02, 0.8), $run::<Order6<Exponential>>);
         row("composed, 8", &exact, settings(1.0, 0.05, 0.8), $run::<Order8<Exponential>>);
@@ -220,6 +246,6 @@ macro_rules! rows {
 }
 
 fn main() {
-    rows!("free body", false, body, [4, 6, 8, 10]);
-    rows!("heavy top", true, top, [4, 6, 8]);
+    rows!("free body", false, body, a_body, [4, 6, 8, 10]);
+    rows!("heavy top", true, top, a_top, [4, 6, 8]);
 }

@@ -28,6 +28,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod adaptive;
 mod composition;
 mod ensemble;
 mod equation;
@@ -43,6 +44,9 @@ pub use crate::flat::NotGenerated;
 pub use crate::flat::{Flat, Method};
 pub use crate::retraction::RetractionKind;
 pub use crate::system::Description;
+pub use adaptive::Adaptive;
+#[doc(hidden)]
+pub use adaptive::TaylorSteps;
 pub use ensemble::Ensemble;
 #[doc(hidden)]
 pub use equation::Equation;

@@ -6,6 +6,7 @@ use std::string::ToString;
 use std::sync::Arc;
 use std::vec::Vec;
 
+use super::adaptive::{OfSeries, TaylorSteps};
 use super::composition::composed;
 use super::equation::{Equation, equation};
 use super::jacobian::{Linearization, OfDerivatives};
@@ -163,6 +164,12 @@ pub trait System: Geometry + Send + Sync + 'static {
     #[doc(hidden)]
     fn method(&self, map: RetractionKind, rule: Rule, step: f64) -> Option<Box<dyn Method<f64>>>;
 
+    /// What takes Taylor steps to a tolerance; none if no power series were generated.
+    #[doc(hidden)]
+    fn power_series(&self, _tolerance: f64) -> Option<Result<Box<dyn TaylorSteps>, ParameterError>> {
+        None
+    }
+
     /// The derivative of a generated step, and where the step leads to; none if it was not generated.
     #[doc(hidden)]
     fn linearization(
@@ -229,6 +236,10 @@ where
     fn method(&self, map: RetractionKind, rule: Rule, step: f64) -> Option<Box<dyn Method<f64>>> {
         let parameters = self.to_parameters();
         S::visit(map, rule, OfMethods::<f64, true> { parameters: parameters.as_ref(), step }).flatten()
+    }
+
+    fn power_series(&self, tolerance: f64) -> Option<Result<Box<dyn TaylorSteps>, ParameterError>> {
+        S::visit_series(OfSeries { system: self, tolerance })
     }
 
     fn linearization(

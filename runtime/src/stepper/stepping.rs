@@ -53,6 +53,12 @@ pub trait Stepping {
     /// # Errors
     /// As there.
     fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError>;
+    /// Whether steps are as long as a tolerance allows: [Taylor steps](crate::taylor::Adaptive).
+    fn is_adaptive(&self) -> bool {
+        false
+    }
+    /// Takes no step past this time from now on, if steps are as long as a tolerance allows; an infinite time is none.
+    fn set_end(&mut self, _time: f64) {}
     /// [`Stepper::snapshot`]
     #[cfg(feature = "std")]
     fn snapshot(&self) -> std::vec::Vec<f64>;

@@ -30,7 +30,7 @@ pub use geometry::{Geometry, Isolated};
 pub(crate) use right_lift::ConservedMomentum;
 use stepper::Stepper;
 
-use crate::taylor::{Adaptive, PowerSeries};
+use crate::taylor::{Adaptive, PowerSeries, SeriesVisitor};
 
 /// A named quantity of one or more components: a parameter, a part of the state or a control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -333,6 +333,12 @@ pub trait System: Sized {
         Self: PowerSeries,
     {
         Adaptive::new(self, tolerance)
+    }
+
+    /// Shows the power series of the motion, if they were generated.
+    #[doc(hidden)]
+    fn visit_series<V: SeriesVisitor<Self>>(_: V) -> Option<V::Output> {
+        None
     }
 }
 

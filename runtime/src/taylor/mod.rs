@@ -36,12 +36,14 @@ use core::fmt;
 use crate::error::{ParameterError, StepError};
 use crate::scalar::{Batch, Real, Scalar as _};
 use crate::stepper::report::{RunError, RunReport};
-use crate::stepper::{StepReport, check_deviation, check_step};
+use crate::stepper::{StepReport, Stepping, check_deviation, check_step};
 #[cfg(doc)]
 use crate::system::System;
-use crate::system::{Control, State};
-use series::{Advance, Length, Series, Start};
-pub use series::{Leading, MOST_COEFFICIENTS, Next, PowerSeries};
+use crate::system::{Control, Dynamics, State};
+pub use series::PowerSeries;
+use series::{Advance, Length, MOST_COEFFICIENTS, Series, Start};
+#[doc(hidden)]
+pub use series::{Leading, Next, SeriesVisitor};
 
 /// The lowest order: the rule for the step looks at the last two terms.
 const LEAST_ORDER: usize = 4;
@@ -57,6 +59,8 @@ pub struct Adaptive<S: PowerSeries> {
     fixed: Option<f64>,
     /// No step is longer.
     most: f64,
+    /// No step goes past this time, if it is one.
+    end: f64,
     /// The time in two numbers.
     time: [f64; 2],
     taken: u64,
@@ -79,6 +83,7 @@ impl<S: PowerSeries> Adaptive<S> {
             tolerance,
             fixed: None,
             most: f64::INFINITY,
+            end: f64::INFINITY,
             time: [0.0; 2],
             taken: 0,
             last: None,
@@ -159,6 +164,9 @@ impl<S: PowerSeries> Adaptive<S> {
     /// If the state, the time or the control is not finite, or the state's configuration not on its group; or if the step would be so short that time
     /// does not go on, as before a singularity. State and time are then as before the call.
     pub fn step_with(&mut self, state: &mut S::State, control: &S::Control) -> Result<f64, StepError> {
+        if self.end.is_finite() {
+            return self.step_toward(state, control, self.end);
+        }
         self.advance(state, control, self.fixed.map_or(Length::AtMost(self.most), Length::Exactly))
     }
 
@@ -213,7 +221,7 @@ impl<S: PowerSeries> Adaptive<S> {
         loop {
             match self.step_toward(state, control, time) {
                 Ok(0.0) => return Ok(report),
-                Ok(_) => report.count(&StepReport { iterations: 0, residual: 0.0 }),
+                Ok(_) => report.count(&EXPLICIT),
                 Err(cause) => return Err(RunError::new(self.taken + 1, self.time(), report, cause)),
             }
         }
@@ -277,11 +285,109 @@ impl<S: PowerSeries> Adaptive<S> {
 /// A step that is shorter than this share of the time leads nowhere.
 const SHORTEST: f64 = 4.0 * f64::EPSILON;
 
+impl<S: PowerSeries> Stepping for Adaptive<S> {
+    type System = S;
+
+    fn system(&self) -> &S {
+        Self::system(self)
+    }
+
+    fn time(&self) -> f64 {
+        Self::time(self)
+    }
+
+    fn set_time(&mut self, time: f64) {
+        Self::set_time(self, time);
+    }
+
+    fn steps_taken(&self) -> u64 {
+        Self::steps_taken(self)
+    }
+
+    /// The length of the last step.
+    fn step_size(&self) -> f64 {
+        self.fixed.unwrap_or(self.last_step())
+    }
+
+    /// Takes steps of this length from now on, whatever the tolerance.
+    fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError> {
+        check_step(step)?;
+        self.fixed = Some(step);
+        Ok(())
+    }
+
+    fn is_adaptive(&self) -> bool {
+        self.fixed.is_none()
+    }
+
+    fn set_end(&mut self, time: f64) {
+        self.end = time;
+    }
+
+    #[cfg(feature = "std")]
+    fn snapshot(&self) -> std::vec::Vec<f64> {
+        std::vec![self.time[0], self.time[1], self.taken as f64, self.last_step()]
+    }
+
+    fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
+        let &[high, low, taken, last] = memory else {
+            return Err(ParameterError::Snapshot { expected: 4, got: memory.len() });
+        };
+        (self.time, self.taken) = ([high, low], taken as u64);
+        self.last = Some(last).filter(|last| *last != 0.0);
+        Ok(())
+    }
+
+    fn step_with(&mut self, state: &mut S::State, control: &S::Control) -> Result<StepReport, StepError> {
+        Self::step_with(self, state, control).map(|_| EXPLICIT)
+    }
+
+    fn step_driven(
+        &mut self,
+        _: &mut S::State,
+        _: &mut dyn FnMut(f64) -> S::Control,
+    ) -> Result<StepReport, StepError> {
+        Err(StepError::NotDriven)
+    }
+
+    fn steps_with(
+        &mut self,
+        state: &mut S::State,
+        control: &S::Control,
+        count: u64,
+    ) -> Result<RunReport, RunError> {
+        steps_with(self, state, control, count)
+    }
+}
+
+/// Takes steps one by one.
+pub(crate) fn steps_with<T: Stepping + ?Sized>(
+    stepper: &mut T,
+    state: &mut <T::System as Dynamics>::State,
+    control: &<T::System as Dynamics>::Control,
+    count: u64,
+) -> Result<RunReport, RunError> {
+    let mut report = RunReport::default();
+    while report.steps < count {
+        match stepper.step_with(state, control) {
+            Ok(step) => report.count(&step),
+            Err(cause) => {
+                let (step, time) = (stepper.steps_taken() + 1, stepper.time());
+                return Err(RunError::new(step, time, report, cause));
+            }
+        }
+    }
+    Ok(report)
+}
+
+/// There is no equation to solve.
+pub(crate) const EXPLICIT: StepReport = StepReport { iterations: 0, residual: 0.0 };
+
 impl<S: PowerSeries + Clone> Clone for Adaptive<S> {
     fn clone(&self) -> Self {
-        let Self { tolerance, fixed, most, time, taken, last, .. } = *self;
+        let Self { tolerance, fixed, most, end, time, taken, last, .. } = *self;
         let (system, series) = (self.system.clone(), self.series.clone());
-        Self { system, tolerance, fixed, most, time, taken, last, series }
+        Self { system, tolerance, fixed, most, end, time, taken, last, series }
     }
 }
 

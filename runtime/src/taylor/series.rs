@@ -8,7 +8,7 @@ use crate::scalar::{Components, LongWork, Real, Scalar};
 use crate::system::System;
 
 /// The highest order of a Taylor step: more than doubles have digits for.
-pub const MOST_COEFFICIENTS: usize = 32;
+pub(super) const MOST_COEFFICIENTS: usize = 32;
 
 /// The power series of a system's motion, by recurrences. Implemented by descriptions with the key `taylor`.
 ///
@@ -55,6 +55,16 @@ pub trait PowerSeries: System {
     ) -> Next<Self, T>;
     /// The state where the step has come to.
     fn finish<T: Scalar>(kept: &Self::Kept<T>, end: &Self::Coefficients<T>) -> Self::StateComponents<T>;
+}
+
+/// What looks at a system's power series, where there are any.
+pub trait SeriesVisitor<S> {
+    /// What it makes of them.
+    type Output;
+    /// Makes it.
+    fn visit(self) -> Self::Output
+    where
+        S: PowerSeries;
 }
 
 /// The coefficients of order 0 of a motion.
@@ -224,7 +234,7 @@ impl<S: PowerSeries, T: Real> Series<S, T> {
     }
 
     /// How large the step may be for the last two terms to be as small as the order can make them: `e^{−2N}` of what the series is of, which is
-    /// the largest of its first three terms.
+    /// the largest of its first three terms in a step of the length that is guessed.
     ///
     /// That is the rule of Jorba and Zou, Experimental Mathematics 14 (2005) 99, for each unit by itself. Infinite where these terms are zero.
     #[inline(always)]
@@ -245,9 +255,30 @@ impl<S: PowerSeries, T: Real> Series<S, T> {
             from += length;
         }
         let n = last as f64;
-        let step = |ratio: f64, k: f64| if ratio < f64::INFINITY { f64::powf(ratio, 1.0 / k) } else { ratio };
-        let longest = step(least[0], n - 1.0).min(step(least[1], n));
-        longest * f64::exp(-0.7 / (n - 1.0) - 2.0)
+        root(least[0], n - 1.0).min(root(least[1], n)) * self.margin()
+    }
+
+    /// A first guess of the step's length, by the first term that is not zero and the last ones.
+    #[cold]
+    fn first_guess(&self) -> f64 {
+        let mut guess = f64::INFINITY;
+        let mut from = 0;
+        for &length in S::BLOCKS {
+            for k in [self.order - 1, self.order] {
+                let of = |k: usize| self.largest(k, from, length);
+                if let Some(first) = (0..k).find(|&k| of(k) > 0.0) {
+                    guess = guess.min(root(of(first) / of(k), (k - first) as f64));
+                }
+            }
+            from += length;
+        }
+        guess * self.margin()
+    }
+
+    /// How much shorter a step is than the series converges.
+    #[inline(always)]
+    fn margin(&self) -> f64 {
+        f64::exp(-0.7 / (self.order as f64 - 1.0) - 2.0)
     }
 
     /// The values a time `h` after the start.
@@ -267,6 +298,12 @@ impl<S: PowerSeries, T: Real> Series<S, T> {
     pub(super) fn state(&self, h: T) -> S::StateComponents<T> {
         S::finish(&self.kept, &self.sum(h))
     }
+}
+
+/// `x^{1/k}`, also of what is infinite.
+#[inline(always)]
+fn root(x: f64, k: f64) -> f64 {
+    if x < f64::INFINITY { f64::powf(x, 1.0 / k) } else { x }
 }
 
 /// Where a step starts.
@@ -309,13 +346,10 @@ impl<S: PowerSeries, T: Real> LongWork for Advance<'_, S, T> {
         let step = match length {
             Length::Exactly(step) => step,
             Length::AtMost(most) => {
-                let mut longest = series.longest_step(before.unwrap_or(0.0).abs());
-                if before.is_none() {
-                    // what is zero at the start has a size only behind it
-                    for _ in 0..3 {
-                        longest = series.longest_step(longest);
-                    }
-                }
+                let guess = before.map_or_else(|| series.first_guess(), f64::abs);
+                let longest = if guess < f64::INFINITY { series.longest_step(guess) } else { guess };
+                // what is zero at its start in every unit that changes has no size there
+                let longest = if longest < f64::INFINITY { longest } else { series.first_guess() };
                 if longest < most.abs() { longest.copysign(most) } else { most }
             }
         };

@@ -14,5 +14,6 @@ mod laws;
 mod map;
 mod second_kind;
 mod systems;
+mod taylor;
 mod together;
 mod unsolved;

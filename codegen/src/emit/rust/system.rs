@@ -28,6 +28,13 @@ pub(super) fn system(program: &Program, names: &Names) -> TokenStream {
     let functions = functions.into_iter().chain(pivots).map(|role| function(program, names, role));
     let (types, parameters) = (types(interface, names), parameters(interface, names));
     let (validate, evaluations) = (validate(interface, names), evaluations(program, names));
+    let series = program.taylor.as_ref().map(|_| {
+        quote! {
+            fn visit_series<V: #private::SeriesVisitor<Self>>(visitor: V) -> ::core::option::Option<V::Output> {
+                ::core::option::Option::Some(visitor.visit())
+            }
+        }
+    });
     quote! {
         #[allow(unused_variables, clippy::all, clippy::pedantic)]
         const _: () = {
@@ -41,6 +48,7 @@ pub(super) fn system(program: &Program, names: &Names) -> TokenStream {
                 #parameters
                 #validate
                 #evaluations
+                #series
             }
         };
     }

@@ -1,0 +1,250 @@
+//! Taylor steps of any system.
+
+use core::fmt;
+use std::boxed::Box;
+use std::string::ToString;
+use std::sync::Arc;
+use std::vec::Vec;
+
+use super::stepper::StepperError;
+use super::system::{System, check_length, length};
+use crate::error::{ParameterError, StepError};
+use crate::flat::{NotGenerated, array, copy};
+use crate::stepper::report::{RunError, RunReport};
+use crate::stepper::{StepReport, Stepping};
+use crate::system::{self, Control, State};
+use crate::taylor::{self, PowerSeries, SeriesVisitor};
+
+/// Takes Taylor steps along one trajectory of a system, each as long as a tolerance allows: [`taylor::Adaptive`] with its types erased.
+///
+/// ```
+/// use coadjoint::erased;
+/// use coadjoint::prelude::*;
+/// use coadjoint::Run;
+/// use std::sync::Arc;
+///
+/// #[lie_poisson_system(group = SO3, taylor)]
+/// struct Body {
+///     #[inertia]
+///     inertia: Vector3<f64>,
+/// }
+///
+/// let body: Arc<dyn erased::System> = Arc::new(Body { inertia: vector![1.0, 2.0, 2.5] });
+/// let mut state = vec![1.0, 0.0, 0.0, 0.0, 0.4, -0.8, 1.5];
+/// let energy = body.energy(&state, 0.0, &[]);
+/// let mut trajectory = erased::Adaptive::new(body.clone(), 1e-12)?;
+/// Run::new(&mut trajectory, &mut state).to(100.0)?;
+/// assert_eq!(trajectory.time(), 100.0);
+/// assert!((body.energy(&state, 0.0, &[]) - energy).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Adaptive {
+    system: Arc<dyn System>,
+    steps: Box<dyn TaylorSteps>,
+}
+
+/// What takes Taylor steps, on slices.
+#[doc(hidden)]
+pub trait TaylorSteps: Send + Sync {
+    fn time(&self) -> f64;
+    fn set_time(&mut self, time: f64);
+    fn steps_taken(&self) -> u64;
+    fn order(&self) -> usize;
+    fn step_size(&self) -> f64;
+    fn is_adaptive(&self) -> bool;
+    fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError>;
+    fn set_end(&mut self, time: f64);
+    fn snapshot(&self) -> Vec<f64>;
+    fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError>;
+    fn step_with(&mut self, state: &mut [f64], control: &[f64]) -> Result<f64, StepError>;
+    fn at(&self, share: f64) -> Option<Vec<f64>>;
+}
+
+impl<S: PowerSeries<Scalar = f64> + Send + Sync> TaylorSteps for taylor::Adaptive<S> {
+    fn time(&self) -> f64 {
+        Stepping::time(self)
+    }
+
+    fn set_time(&mut self, time: f64) {
+        Stepping::set_time(self, time);
+    }
+
+    fn steps_taken(&self) -> u64 {
+        Stepping::steps_taken(self)
+    }
+
+    fn step_size(&self) -> f64 {
+        Stepping::step_size(self)
+    }
+
+    fn is_adaptive(&self) -> bool {
+        Stepping::is_adaptive(self)
+    }
+
+    fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError> {
+        Stepping::set_step_size(self, step)
+    }
+
+    fn set_end(&mut self, time: f64) {
+        Stepping::set_end(self, time);
+    }
+
+    fn snapshot(&self) -> Vec<f64> {
+        Stepping::snapshot(self)
+    }
+
+    fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
+        Stepping::restore(self, memory)
+    }
+
+    fn order(&self) -> usize {
+        Self::order(self)
+    }
+
+    fn step_with(&mut self, state: &mut [f64], control: &[f64]) -> Result<f64, StepError> {
+        let mut next = S::State::from_components(&array(state));
+        let length = Self::step_with(self, &mut next, &S::Control::from_components(&array(control)))?;
+        copy(state, next.to_components().as_ref());
+        Ok(length)
+    }
+
+    fn at(&self, share: f64) -> Option<Vec<f64>> {
+        Some(Self::at(self, share)?.to_components().as_ref().to_vec())
+    }
+}
+
+/// Makes what takes the Taylor steps of a system.
+pub(super) struct OfSeries<'a, S> {
+    pub(super) system: &'a S,
+    pub(super) tolerance: f64,
+}
+
+impl<S: system::System<Scalar = f64> + Send + Sync + 'static> SeriesVisitor<S> for OfSeries<'_, S> {
+    type Output = Result<Box<dyn TaylorSteps>, ParameterError>;
+
+    fn visit(self) -> Self::Output
+    where
+        S: PowerSeries,
+    {
+        Ok(Box::new(taylor::Adaptive::new(self.system, self.tolerance)?))
+    }
+}
+
+impl Adaptive {
+    /// Builds what takes the Taylor steps of a system to a tolerance: see [`System::adaptive`](crate::System::adaptive).
+    ///
+    /// # Errors
+    /// If the parameters are not valid, the tolerance is not between 0 and 1, or the description has not the key `taylor`.
+    pub fn new(system: Arc<dyn System>, tolerance: f64) -> Result<Self, StepperError> {
+        let steps = system.power_series(tolerance).ok_or_else(|| NotGenerated {
+            scheme: "Taylor".to_string(),
+            system: system.description().name,
+            key: "taylor",
+        })??;
+        Ok(Self { system, steps })
+    }
+
+    /// The system.
+    pub fn system(&self) -> &Arc<dyn System> {
+        &self.system
+    }
+
+    /// The order of the steps.
+    pub fn order(&self) -> usize {
+        self.steps.order()
+    }
+
+    /// The time at which the next step starts.
+    pub fn time(&self) -> f64 {
+        self.steps.time()
+    }
+
+    /// Takes one step with `control` held. Returns its length: see [`taylor::Adaptive::step_with`].
+    ///
+    /// # Errors
+    /// As there, and if the state has not as many numbers as one of the system.
+    pub fn step_with(&mut self, state: &mut [f64], control: &[f64]) -> Result<f64, StepError> {
+        check_length(state, length(self.system.description().state))?;
+        self.steps.step_with(state, control)
+    }
+
+    /// The state within the last step: see [`taylor::Adaptive::at`].
+    pub fn at(&self, share: f64) -> Option<Vec<f64>> {
+        self.steps.at(share)
+    }
+}
+
+impl Stepping for Adaptive {
+    type System = dyn System;
+
+    fn system(&self) -> &(dyn System + 'static) {
+        &*self.system
+    }
+
+    fn time(&self) -> f64 {
+        self.steps.time()
+    }
+
+    fn set_time(&mut self, time: f64) {
+        self.steps.set_time(time);
+    }
+
+    fn steps_taken(&self) -> u64 {
+        self.steps.steps_taken()
+    }
+
+    fn step_size(&self) -> f64 {
+        self.steps.step_size()
+    }
+
+    fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError> {
+        self.steps.set_step_size(step)
+    }
+
+    fn is_adaptive(&self) -> bool {
+        self.steps.is_adaptive()
+    }
+
+    fn set_end(&mut self, time: f64) {
+        self.steps.set_end(time);
+    }
+
+    fn snapshot(&self) -> Vec<f64> {
+        self.steps.snapshot()
+    }
+
+    fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
+        self.steps.restore(memory)
+    }
+
+    fn step_with(&mut self, state: &mut Vec<f64>, control: &Vec<f64>) -> Result<StepReport, StepError> {
+        Self::step_with(self, state, control).map(|_| taylor::EXPLICIT)
+    }
+
+    fn step_driven(
+        &mut self,
+        _: &mut Vec<f64>,
+        _: &mut dyn FnMut(f64) -> Vec<f64>,
+    ) -> Result<StepReport, StepError> {
+        Err(StepError::NotDriven)
+    }
+
+    fn steps_with(
+        &mut self,
+        state: &mut Vec<f64>,
+        control: &Vec<f64>,
+        count: u64,
+    ) -> Result<RunReport, RunError> {
+        taylor::steps_with(self, state, control, count)
+    }
+}
+
+impl fmt::Debug for Adaptive {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Adaptive")
+            .field("system", &self.system.description().name)
+            .field("order", &self.order())
+            .field("time", &self.time())
+            .finish_non_exhaustive()
+    }
+}
