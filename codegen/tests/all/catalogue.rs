@@ -80,8 +80,9 @@ fn name(Scheme { rule, retraction }: &Scheme) -> String {
 
 /// What does not depend on a scheme, then each step with the operations of its functions.
 fn lines(file: &str, expansion: &Expansion) -> Vec<String> {
-    let Expansion { declaration, state, expressions, system, geometry, tangents, steps, schemes } = expansion;
-    let rest = quote! { #declaration #state #expressions #system #geometry #tangents #schemes };
+    let Expansion { declaration, state, expressions, system, geometry, tangents, taylor, steps, schemes } =
+        expansion;
+    let rest = quote! { #declaration #state #expressions #system #geometry #tangents #taylor #schemes };
     let mut lines = vec![format!("{file}: {}", size(rest))];
     for StepExpansion { program, tokens, derivative } in steps {
         fn operations<R: Debug>(function: &Function<R>) -> String {
@@ -286,10 +287,10 @@ fn bare_types(stream: TokenStream) -> Vec<String> {
 fn types_of_the_language_have_their_paths() {
     for (file, Description { attribute, item }) in described("systems/src") {
         let expansion = expand(attribute, item).expect("a valid description");
-        let Expansion { state, system, geometry, tangents, steps, schemes, .. } = &expansion;
+        let Expansion { state, system, geometry, tangents, taylor, steps, schemes, .. } = &expansion;
         let steps =
             steps.iter().map(|StepExpansion { tokens, derivative, .. }| quote! { #tokens #derivative });
-        let all = quote! { #state #system #geometry #tangents #schemes #(#steps)* };
+        let all = quote! { #state #system #geometry #tangents #taylor #schemes #(#steps)* };
         assert_eq!(bare_types(all), [""; 0], "{file}");
     }
 }

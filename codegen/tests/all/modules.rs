@@ -20,7 +20,7 @@ const USES: &[(&str, &[&str])] = &[
     ("lie_group", &["check", "diagnostics", "limits", "parse"]),
     ("language", &["diagnostics", "expr", "group", "limits", "parse", "quantity"]),
     ("model", &["check", "diagnostics", "expr", "group", "identifiers", "language", "parse", "quantity"]),
-    ("method", &["expr", "group", "model", "scheme"]),
+    ("method", &["expr", "group", "model", "quantity", "scheme"]),
     ("feasible", &["check", "diagnostics", "expr", "limits", "method", "model", "parse"]),
     ("program", &["expr", "quantity", "scheme"]),
     ("kernel", &["expr", "method", "model", "program", "scheme"]),

@@ -137,6 +137,22 @@ pub struct Point {
     assert_snapshot("driven_point", &beside(input, &pretty(all)));
 }
 
+/// The power series of a small motion with functions in it, and the time.
+#[test]
+fn the_series_of_a_pendulum() {
+    let input = "\
+#[lie_poisson_system(
+    group(position: R1),
+    hamiltonian = position_momentum.x.powi(2) / (2.0 * mass) - weight * position.x.cos() * t,
+    taylor,
+)]
+pub struct Pendulum {
+    mass: f64,
+    weight: f64,
+}";
+    assert_snapshot("pendulum_taylor", &beside(input, &pretty(expansion(input).taylor)));
+}
+
 /// Arrays of factors, fields and controls, forces as parts, advected parameters of two kinds, coordinates of the second kind: what users see.
 #[test]
 fn two_carts_and_a_lamp() {

@@ -1,9 +1,11 @@
 //! The traits that generated code implements.
 
+pub(crate) mod adaptive;
 mod description;
 mod dynamics;
 mod geometry;
 mod right_lift;
+pub(crate) mod series;
 pub(crate) mod stepper;
 
 use core::fmt;
@@ -24,13 +26,13 @@ use crate::scheme::{
     Base, Family, HamiltonJacobi, Rule, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift,
 };
 use crate::solve::step::OneStep;
+use adaptive::Adaptive;
 pub use description::Description;
 pub use dynamics::Dynamics;
 pub use geometry::{Geometry, Isolated};
 pub(crate) use right_lift::ConservedMomentum;
+use series::{PowerSeries, SeriesVisitor};
 use stepper::Stepper;
-
-use crate::taylor::{Adaptive, PowerSeries, SeriesVisitor};
 
 /// A named quantity of one or more components: a parameter, a part of the state or a control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -29,8 +29,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod series;
-
 use core::fmt;
 
 use crate::error::{ParameterError, StepError};
@@ -39,58 +37,15 @@ use crate::stepper::report::{RunError, RunReport};
 use crate::stepper::{StepReport, Stepping, check_deviation, check_step};
 #[cfg(doc)]
 use crate::system::System;
-use crate::system::{Control, Dynamics, State};
-pub use series::PowerSeries;
-use series::{Advance, Length, MOST_COEFFICIENTS, Series, Start};
+pub use crate::system::adaptive::Adaptive;
+use crate::system::adaptive::LEAST_ORDER;
+pub use crate::system::series::PowerSeries;
+use crate::system::series::{Advance, Length, MOST_COEFFICIENTS, Start};
 #[doc(hidden)]
-pub use series::{Leading, Next, SeriesVisitor};
-
-/// The lowest order: the rule for the step looks at the last two terms.
-const LEAST_ORDER: usize = 4;
-
-/// Takes Taylor steps along one trajectory, each as long as the tolerance allows.
-///
-/// Built by [`System::adaptive`]. The local error of a step, relative to the largest of what has the same unit, is about the tolerance.
-/// Time is carried in twice the digits.
-pub struct Adaptive<S: PowerSeries> {
-    system: S,
-    tolerance: f64,
-    /// A step that is always the same, if it is.
-    fixed: Option<f64>,
-    /// No step is longer.
-    most: f64,
-    /// No step goes past this time, if it is one.
-    end: f64,
-    /// The time in two numbers.
-    time: [f64; 2],
-    taken: u64,
-    /// The last step: how long it was.
-    last: Option<f64>,
-    series: Series<S, S::Scalar>,
-}
+pub use crate::system::series::{Leading, Next, SeriesVisitor};
+use crate::system::{Control, Dynamics, State};
 
 impl<S: PowerSeries> Adaptive<S> {
-    pub(crate) fn new(system: &S, tolerance: f64) -> Result<Self, ParameterError> {
-        system.validate()?;
-        if !(tolerance > 0.0 && tolerance < 1.0) {
-            return Err(ParameterError::Tolerance { tolerance });
-        }
-        // no number has more digits
-        let attainable = tolerance.max(S::Scalar::EPSILON / 2.0);
-        let order = (1.0 - 0.5 * f64::ln(attainable)).ceil() as usize;
-        Ok(Self {
-            system: S::from_parameters(&system.to_parameters()),
-            tolerance,
-            fixed: None,
-            most: f64::INFINITY,
-            end: f64::INFINITY,
-            time: [0.0; 2],
-            taken: 0,
-            last: None,
-            series: Series::new(order.clamp(LEAST_ORDER, MOST_COEFFICIENTS)),
-        })
-    }
-
     /// Takes steps of this order, whatever the tolerance: from 4 to 32.
     ///
     /// The step's length then follows from the order, as if it had been chosen for the tolerance `e^{2 − 2N}`.

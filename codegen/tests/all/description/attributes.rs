@@ -46,7 +46,7 @@ fn keys() {
         "colour = red",
         &[(
             "colour",
-            "there is no key `colour`; known: `group`, `advected`, `potential`, `hamiltonian`, `lagrangian`, `control`, `force`, `invariance`, `methods`, `retractions`, `derivatives`, `units`, `scalar` and `crate`",
+            "there is no key `colour`; known: `group`, `advected`, `potential`, `hamiltonian`, `lagrangian`, `control`, `force`, `invariance`, `methods`, `retractions`, `derivatives`, `taylor`, `units`, `scalar` and `crate`",
         )],
     );
     attribute("group = SO3, group = SO2", &[("group", "`group` is given twice; keep one of them")]);

@@ -2,13 +2,13 @@
 
 use core::fmt;
 
+use super::System;
 use crate::kernel::Blocks;
 use crate::scalar::simd::lanes::Processor;
 use crate::scalar::{Components, LongWork, Real, Scalar};
-use crate::system::System;
 
 /// The highest order of a Taylor step: more than doubles have digits for.
-pub(super) const MOST_COEFFICIENTS: usize = 32;
+pub(crate) const MOST_COEFFICIENTS: usize = 32;
 
 /// The power series of a system's motion, by recurrences. Implemented by descriptions with the key `taylor`.
 ///
@@ -106,7 +106,7 @@ impl<S: PowerSeries + ?Sized, T: Scalar> fmt::Debug for Leading<S, T> {
 struct Row<L>(L);
 
 /// The power series of one step, and room for what they are made of.
-pub(super) struct Series<S: PowerSeries, T: Scalar> {
+pub(crate) struct Series<S: PowerSeries, T: Scalar> {
     kept: S::Kept<T>,
     left: [Row<S::Lanes<T>>; MOST_COEFFICIENTS],
     right: [Row<S::Lanes<T>>; MOST_COEFFICIENTS],
@@ -123,18 +123,18 @@ impl<S: PowerSeries, T: Scalar> Clone for Series<S, T> {
 
 impl<S: PowerSeries, T: Real> Series<S, T> {
     /// Room for series of this order.
-    pub(super) fn new(order: usize) -> Self {
+    pub(crate) fn new(order: usize) -> Self {
         let zero = T::of(0.0);
         let rows = [Row(S::Lanes::splat(zero)); MOST_COEFFICIENTS];
         let coefficients = [S::Coefficients::splat(zero); MOST_COEFFICIENTS + 1];
         Self { kept: S::Kept::splat(zero), left: rows, right: rows, coefficients, order }
     }
 
-    pub(super) fn order(&self) -> usize {
+    pub(crate) fn order(&self) -> usize {
         self.order
     }
 
-    pub(super) fn set_order(&mut self, order: usize) {
+    pub(crate) fn set_order(&mut self, order: usize) {
         self.order = order;
     }
 
@@ -278,7 +278,7 @@ impl<S: PowerSeries, T: Real> Series<S, T> {
     /// How much shorter a step is than the series converges.
     #[inline(always)]
     fn margin(&self) -> f64 {
-        f64::exp(-0.7 / (self.order as f64 - 1.0) - 2.0)
+        Scalar::exp(-0.7 / (self.order as f64 - 1.0) - 2.0)
     }
 
     /// The values a time `h` after the start.
@@ -295,7 +295,7 @@ impl<S: PowerSeries, T: Real> Series<S, T> {
 
     /// The state a time `h` after the start.
     #[inline(always)]
-    pub(super) fn state(&self, h: T) -> S::StateComponents<T> {
+    pub(crate) fn state(&self, h: T) -> S::StateComponents<T> {
         S::finish(&self.kept, &self.sum(h))
     }
 }
@@ -303,31 +303,31 @@ impl<S: PowerSeries, T: Real> Series<S, T> {
 /// `x^{1/k}`, also of what is infinite.
 #[inline(always)]
 fn root(x: f64, k: f64) -> f64 {
-    if x < f64::INFINITY { f64::powf(x, 1.0 / k) } else { x }
+    if x < f64::INFINITY { Scalar::powf(x, 1.0 / k) } else { x }
 }
 
 /// Where a step starts.
-pub(super) struct Start<'s, S: System + PowerSeries, T: Scalar> {
-    pub(super) parameters: &'s S::Parameters<T>,
-    pub(super) state: &'s S::StateComponents<T>,
-    pub(super) time: T,
-    pub(super) control: &'s S::ControlComponents<T>,
-    pub(super) velocity: &'s S::Velocity<T>,
+pub(crate) struct Start<'s, S: System + PowerSeries, T: Scalar> {
+    pub(crate) parameters: &'s S::Parameters<T>,
+    pub(crate) state: &'s S::StateComponents<T>,
+    pub(crate) time: T,
+    pub(crate) control: &'s S::ControlComponents<T>,
+    pub(crate) velocity: &'s S::Velocity<T>,
 }
 
 /// One step: its series, how long it may be, and where it leads.
-pub(super) struct Advance<'s, S: PowerSeries, T: Scalar> {
-    pub(super) series: &'s mut Series<S, T>,
-    pub(super) start: Start<'s, S, T>,
+pub(crate) struct Advance<'s, S: PowerSeries, T: Scalar> {
+    pub(crate) series: &'s mut Series<S, T>,
+    pub(crate) start: Start<'s, S, T>,
     /// The length of the step before, if there was one.
-    pub(super) before: Option<f64>,
+    pub(crate) before: Option<f64>,
     /// How long it has to be, or may be at most, backwards in time if negative.
-    pub(super) length: Length,
+    pub(crate) length: Length,
 }
 
 /// How long a step is to be.
 #[derive(Clone, Copy)]
-pub(super) enum Length {
+pub(crate) enum Length {
     /// So long.
     Exactly(f64),
     /// As long as its terms allow, and no longer than this.
