@@ -73,6 +73,7 @@ pub mod ensemble;
 #[cfg(feature = "std")]
 pub mod erased;
 pub mod error;
+pub mod event;
 #[cfg(feature = "std")]
 mod flat;
 #[cfg(feature = "std")]
