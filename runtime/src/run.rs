@@ -416,9 +416,24 @@ where
         self.doing(Watched::new(event, condition, action))
     }
 
+    /// As [`event`](Self::event), for a list of events, of which there are as many as the program finds out when it runs: each with its condition
+    /// and its callback.
+    #[cfg(feature = "std")]
+    pub fn events<G, F>(
+        self,
+        events: impl IntoIterator<Item = (Event, G, F)>,
+    ) -> Run<'a, T, O, C, (W, std::vec::Vec<Watched<G, F>>)>
+    where
+        G: FnMut(&S::State, f64) -> f64,
+        F: FnMut(&mut Occurrence<'_, '_, S>),
+    {
+        let watched = events.into_iter().map(|(event, condition, action)| Watched::new(event, condition, action));
+        self.doing(watched.collect())
+    }
+
     /// Shows the states at these times to `observer`, whatever steps are taken: they are those [within](crate::Interval) the steps, which stay as they are.
     ///
-    /// Times are in the order of the run. Those behind it are left out, and so are those that it does not reach.
+    /// Times are in the order of the run. Those behind its start, or behind others, are left out, and so are those that it does not reach.
     ///
     /// ```
     /// use coadjoint::prelude::*;

@@ -233,7 +233,9 @@ impl Tracker {
                 None => {
                     let rest = self.points().iter().skip(self.passed + 1);
                     let then = rest.filter_map(|point| side(point.value, self.rounding)).next();
-                    let crossing = if then == before { Crossing::Touch } else { crossing };
+                    let is_end = self.passed + 1 == self.count;
+                    let is_touch = then == before || is_end && is_even(function, near.at, far.at)?;
+                    let crossing = if is_touch { Crossing::Touch } else { crossing };
                     if self.event.counts(crossing) {
                         self.next =
                             Some(Zero { at: far.at, crossing, noise: far.value.abs().max(self.rounding) });
@@ -276,6 +278,14 @@ impl Tracker {
 /// Whether a number is positive; none if it is zero, but for rounding, or no number.
 fn side(value: f64, rounding: f64) -> Option<bool> {
     (value.abs() > rounding).then_some(value > 0.0)
+}
+
+/// Whether a zero at the end of a step is double, as far as can be told from what comes before it.
+fn is_even(function: &mut Function<'_, StepError>, near: f64, far: f64) -> Result<bool, StepError> {
+    let by = (far - near) / 1024.0;
+    let (twice, once) = (function(far - by)?, function(far - 0.5 * by)?);
+    // of a simple one it is 2, of a double one 4, of a triple one 8
+    Ok((2.83..5.66).contains(&(twice / once)))
 }
 
 /// How much values differ that are so close to each other that only their rounding differs.

@@ -237,18 +237,67 @@ where
     }
 }
 
+#[cfg(feature = "std")]
+impl<S: Dynamics + ?Sized, X: Within<S>> Within<S> for std::vec::Vec<X> {
+    fn events(&self) -> usize {
+        self.iter().map(X::events).sum()
+    }
+    fn start(&mut self, state: &S::State, time: f64) {
+        self.iter_mut().for_each(|one| one.start(state, time));
+    }
+    fn forget(&mut self) {
+        self.iter_mut().for_each(X::forget);
+    }
+    fn wanted(&mut self, state: &S::State, time: f64) -> u32 {
+        self.iter_mut().map(|one| one.wanted(state, time)).max().unwrap_or(0)
+    }
+    fn see(&mut self, share: f64, state: &S::State, time: f64) {
+        self.iter_mut().for_each(|one| one.see(share, state, time));
+    }
+    fn see_end(&mut self) {
+        self.iter_mut().for_each(X::see_end);
+    }
+    fn seek(&mut self, dense: &mut dyn Dense<S>, state: &mut S::State, is_first: bool) -> Result<(), StepError> {
+        self.iter_mut().try_for_each(|one| one.seek(dense, state, is_first))
+    }
+    fn next(&self, until: Option<f64>) -> Option<f64> {
+        let all = self.iter().filter_map(|one| one.next(until));
+        all.reduce(|a, b| if (a < b) == until.is_none() { a } else { b })
+    }
+    fn call(&mut self, until: f64, first: usize, moment: &mut Moment<'_, S>) -> Option<usize> {
+        let (mut ends, mut number) = (None, first);
+        for one in self {
+            ends = ends.or(one.call(until, number, moment));
+            number += one.events();
+        }
+        ends
+    }
+    fn end(&mut self) {
+        self.iter_mut().for_each(X::end);
+    }
+    fn due(&mut self, from: f64, is_forward: bool) -> Option<f64> {
+        let all = self.iter_mut().filter_map(|one| one.due(from, is_forward));
+        all.reduce(|a, b| if (a < b) == is_forward { a } else { b })
+    }
+    fn show(&mut self, tick: &Tick<'_, S>) -> ControlFlow<()> {
+        self.iter_mut().try_for_each(|one| one.show(tick))
+    }
+}
+
 /// Times at which states are shown to an observer: [`Run::save_at`](crate::Run::save_at).
 #[doc(hidden)]
 pub struct Samples<I, O> {
     times: I,
     due: Option<f64>,
+    /// The time that was shown last.
+    shown: Option<f64>,
     observer: O,
 }
 
 impl<I: Iterator<Item = f64>, O> Samples<I, O> {
     pub(crate) fn new(mut times: I, observer: O) -> Self {
         let due = times.next();
-        Self { times, due, observer }
+        Self { times, due, shown: None, observer }
     }
 }
 
@@ -276,7 +325,10 @@ impl<S: Dynamics + ?Sized, I: Iterator<Item = f64>, O: Observer<S>> Within<S> fo
 
     fn due(&mut self, from: f64, is_forward: bool) -> Option<f64> {
         // what lies behind is passed over, and so is what is no time
-        let is_ahead = |time: f64| if is_forward { time >= from } else { time <= from };
+        let is_ahead = |time: f64| {
+            let is_new = self.shown.is_none_or(|shown| if is_forward { time > shown } else { time < shown });
+            is_new && if is_forward { time >= from } else { time <= from }
+        };
         while self.due.is_some_and(|time| !is_ahead(time)) {
             self.due = self.times.next();
         }
@@ -287,7 +339,7 @@ impl<S: Dynamics + ?Sized, I: Iterator<Item = f64>, O: Observer<S>> Within<S> fo
         if self.due != Some(tick.time) {
             return ControlFlow::Continue(());
         }
-        self.due = self.times.next();
+        (self.shown, self.due) = (self.due, self.times.next());
         self.observer.observe(tick)
     }
 }
