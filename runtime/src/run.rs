@@ -427,7 +427,8 @@ where
         G: FnMut(&S::State, f64) -> f64,
         F: FnMut(&mut Occurrence<'_, '_, S>),
     {
-        let watched = events.into_iter().map(|(event, condition, action)| Watched::new(event, condition, action));
+        let watched =
+            events.into_iter().map(|(event, condition, action)| Watched::new(event, condition, action));
         self.doing(watched.collect())
     }
 

@@ -124,9 +124,10 @@ impl RunSummary {
         object.insert("invariants".to_owned(), invariants(entry, &self.conservation));
         object.insert("conclusions".to_owned(), json!(self.conclusions(entry)));
         if !self.events.is_empty() {
-            let told = self.events.iter().map(|event| {
-                json!({ "name": event.name, "crossing": event.crossing, "time": event.time })
-            });
+            let told = self
+                .events
+                .iter()
+                .map(|event| json!({ "name": event.name, "crossing": event.crossing, "time": event.time }));
             object.insert("events".to_owned(), told.collect());
         }
         Value::Object(object)

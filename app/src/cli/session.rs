@@ -176,7 +176,8 @@ impl Session {
         let (step, steps) = (plan.job.step, plan.job.total());
         // of what is drawn, the last one of times that were asked for
         let drawn = plan.moments.times(&plan.job)?.map_or(steps, |times| times.count().saturating_sub(1));
-        let step = if drawn == steps { step } else { plan.job.duration().copysign(step) / drawn.max(1) as f64 };
+        let step =
+            if drawn == steps { step } else { plan.job.duration().copysign(step) / drawn.max(1) as f64 };
         let curves = plan.plot.then(|| Curves::new(entry, (step, drawn)));
         let recorders = Recorders::of(curves, plan.html.is_some().then(|| PageRecorder::new(drawn)));
         let rows = match (checkpoint, &files.trajectory) {
@@ -256,51 +257,56 @@ impl Session {
         };
         let ended = Cell::new(false);
         let within = Within { until: margin.as_ref(), events: &events, times: times.as_ref(), ended: &ended };
-        let simulated = simulate_within(&entry, &setup, &job, from.as_ref(), &next, &within, &mut |seen, sample| {
-            match seen {
-                Seen::Step => {}
-                Seen::Time => {
-                    failure = self.save_moment(sample).err();
-                    return if failure.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+        let simulated =
+            simulate_within(&entry, &setup, &job, from.as_ref(), &next, &within, &mut |seen, sample| {
+                match seen {
+                    Seen::Step => {}
+                    Seen::Time => {
+                        failure = self.save_moment(sample).err();
+                        return if failure.is_some() {
+                            ControlFlow::Break(())
+                        } else {
+                            ControlFlow::Continue(())
+                        };
+                    }
+                    Seen::Event(event, crossing) => {
+                        let (name, row) = (event.name().to_owned(), self.row(sample));
+                        let crossing = RecordedEvent::word(crossing);
+                        self.recorders.events.push(RecordedEvent { name, crossing, time: sample.time, row });
+                        return ControlFlow::Continue(());
+                    }
                 }
-                Seen::Event(event, crossing) => {
-                    let (name, row) = (event.name().to_owned(), self.row(sample));
-                    let crossing = RecordedEvent::word(crossing);
-                    self.recorders.events.push(RecordedEvent { name, crossing, time: sample.time, row });
-                    return ControlFlow::Continue(());
+                let is_due = sample.index.is_multiple_of(INTERVAL);
+                if is_due {
+                    progress.show(sample.index);
                 }
-            }
-            let is_due = sample.index.is_multiple_of(INTERVAL);
-            if is_due {
-                progress.show(sample.index);
-            }
-            // at the start, or by a jump
-            let controls = &sample.numbers[sample.state.len()..];
-            let holds = until.as_ref().is_some_and(|until| {
-                until.value(&*self.system, sample.state, sample.time, controls) != 0.0
+                // at the start, or by a jump
+                let controls = &sample.numbers[sample.state.len()..];
+                let holds = until.as_ref().is_some_and(|until| {
+                    until.value(&*self.system, sample.state, sample.time, controls) != 0.0
+                });
+                ended.set(ended.get() || holds);
+                self.ended = ended.get();
+                let pushed = if is_new { self.push(sample) } else { Ok(()) };
+                is_new = true;
+                let stop = interrupt::requested() && sample.index < job.total();
+                if self.ended || sample.index == job.total() {
+                    self.end.copy_from_slice(sample.state);
+                }
+                let result = pushed.and_then(|()| {
+                    if stop || (is_due && saved.elapsed() > pause) {
+                        self.save(sample)?;
+                        saved = Instant::now();
+                    }
+                    Ok(())
+                });
+                failure = failure.take().or(result.err());
+                if stop || self.ended || failure.is_some() {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
+                }
             });
-            ended.set(ended.get() || holds);
-            self.ended = ended.get();
-            let pushed = if is_new { self.push(sample) } else { Ok(()) };
-            is_new = true;
-            let stop = interrupt::requested() && sample.index < job.total();
-            if self.ended || sample.index == job.total() {
-                self.end.copy_from_slice(sample.state);
-            }
-            let result = pushed.and_then(|()| {
-                if stop || (is_due && saved.elapsed() > pause) {
-                    self.save(sample)?;
-                    saved = Instant::now();
-                }
-                Ok(())
-            });
-            failure = failure.take().or(result.err());
-            if stop || self.ended || failure.is_some() {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            }
-        });
         if let Some(failure) = failure {
             return Err(failure);
         }
@@ -394,7 +400,8 @@ impl Session {
             _ => {}
         }
         if let Some(path) = &files.events {
-            contents.push((path.clone(), NewFile::with(path, &event_table(&entry, &plan, &recorders.events)?)?));
+            contents
+                .push((path.clone(), NewFile::with(path, &event_table(&entry, &plan, &recorders.events)?)?));
         }
         contents.extend(shown(&entry, &plan, steps, &recorders, &files)?);
         let status = interrupted.map_or(Status::Complete, Status::Interrupted);

@@ -247,19 +247,21 @@ pub(crate) fn simulate_within(
             let value = &value;
             let condition = move |state: &Vec<f64>, time: f64| value(of, state, time);
             let looker = &looker;
-            let action = move |occurrence: &mut coadjoint::Occurrence<'_, '_, dyn erased::System>| match watched {
-                None => within.ended.set(true),
-                Some(event) => {
-                    let seen = Seen::Event(event, occurrence.crossing());
-                    let tick = Tick::new(occurrence.system(), 0, occurrence.time(), occurrence.state());
-                    if looker.look(seen, &tick).is_break() {
-                        occurrence.stop();
+            let action =
+                move |occurrence: &mut coadjoint::Occurrence<'_, '_, dyn erased::System>| match watched {
+                    None => within.ended.set(true),
+                    Some(event) => {
+                        let seen = Seen::Event(event, occurrence.crossing());
+                        let tick = Tick::new(occurrence.system(), 0, occurrence.time(), occurrence.state());
+                        if looker.look(seen, &tick).is_break() {
+                            occurrence.stop();
+                        }
                     }
-                }
-            };
+                };
             (event, condition, action)
         });
-        let run = Run::new(stepper, state).save_at(times, AtTimes(&looker)).events(watches).observe(&mut watched);
+        let run =
+            Run::new(stepper, state).save_at(times, AtTimes(&looker)).events(watches).observe(&mut watched);
         match &law {
             Some(law) if setup.input.is_some() => {
                 run.driven_by(|time| entry.chosen(law, (&[], time))).steps(steps)
@@ -270,7 +272,8 @@ pub(crate) fn simulate_within(
     };
     let explained = |error, state: &[f64]| too_far::explained(error, &*system, state, job);
     let steps = job.steps.saturating_sub(stepper.steps_taken());
-    let mut report = walk(&mut stepper, &mut state, steps, false).map_err(|error| explained(error, &state))?;
+    let mut report =
+        walk(&mut stepper, &mut state, steps, false).map_err(|error| explained(error, &state))?;
     if job.rest == 0.0 || report.stopped || stepper.steps_taken() != job.steps {
         return Ok(report);
     }
@@ -308,7 +311,9 @@ impl Looker<'_, '_> {
         let (numbers, casimirs, snapshot) = (&numbers[..], &casimirs[..], &|| tick.snapshot());
         let sample = Sample { index, time, state, numbers, energy, casimirs, snapshot };
         // an observer looks at one sample after the other
-        self.observer.try_borrow_mut().map_or(ControlFlow::Continue(()), |mut observer| observer(seen, &sample))
+        self.observer
+            .try_borrow_mut()
+            .map_or(ControlFlow::Continue(()), |mut observer| observer(seen, &sample))
     }
 }
 

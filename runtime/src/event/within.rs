@@ -257,7 +257,12 @@ impl<S: Dynamics + ?Sized, X: Within<S>> Within<S> for std::vec::Vec<X> {
     fn see_end(&mut self) {
         self.iter_mut().for_each(X::see_end);
     }
-    fn seek(&mut self, dense: &mut dyn Dense<S>, state: &mut S::State, is_first: bool) -> Result<(), StepError> {
+    fn seek(
+        &mut self,
+        dense: &mut dyn Dense<S>,
+        state: &mut S::State,
+        is_first: bool,
+    ) -> Result<(), StepError> {
         self.iter_mut().try_for_each(|one| one.seek(dense, state, is_first))
     }
     fn next(&self, until: Option<f64>) -> Option<f64> {

@@ -470,10 +470,14 @@ fn a_state_that_was_changed_by_hand_is_no_event() {
     // nor is one that another event has changed
     let mut jumps = 0;
     Run::new(&mut stepper, &mut state)
-        .event(Event::any(), |_, time| time - 2.25, |event| {
-            jumps += 1;
-            event.state_mut().position.x = 7.0;
-        })
+        .event(
+            Event::any(),
+            |_, time| time - 2.25,
+            |event| {
+                jumps += 1;
+                event.state_mut().position.x = 7.0;
+            },
+        )
         .event(Event::any(), |state, _| state.position.x, |_| found += 1)
         .steps(5)
         .unwrap();
@@ -486,7 +490,11 @@ fn touches_and_pairs_within_a_step_are_found() {
         let (mut stepper, mut state) = moving(0.0, 1.0, step);
         let mut found = Vec::new();
         Run::new(&mut stepper, &mut state)
-            .event(event, |state, _| condition(state.position.x), |event| found.push((event.time(), event.crossing())))
+            .event(
+                event,
+                |state, _| condition(state.position.x),
+                |event| found.push((event.time(), event.crossing())),
+            )
             .to(3.0)
             .unwrap();
         found
@@ -496,7 +504,10 @@ fn touches_and_pairs_within_a_step_are_found() {
         for place in [1.4142, 1.0, 0.0613, 2.3, 1.0000003] {
             let touch = |x: f64| (x - place).powi(2);
             let found = times(step, Event::any(), &touch);
-            assert!(found.len() == 1 && found[0].1 == Touch && (found[0].0 - place).abs() < 1e-6, "{step} {place}: {found:?}");
+            assert!(
+                found.len() == 1 && found[0].1 == Touch && (found[0].0 - place).abs() < 1e-6,
+                "{step} {place}: {found:?}"
+            );
             assert_eq!(times(step, Event::rising(), &touch), []);
             assert_eq!(times(step, Event::falling(), &touch), []);
             assert_eq!(times(step, Event::any(), &|x| touch(x) + 1e-6), [], "{step} {place}");
@@ -505,7 +516,9 @@ fn touches_and_pairs_within_a_step_are_found() {
                 let crossings: Vec<_> = found.iter().map(|(_, crossing)| *crossing).collect();
                 assert_eq!(crossings, [Falling, Rising], "{step} {place} {depth}: {found:?}");
                 let half = f64::sqrt(depth);
-                assert!((found[0].0 - (place - half)).abs() < 1e-9 && (found[1].0 - (place + half)).abs() < 1e-9);
+                assert!(
+                    (found[0].0 - (place - half)).abs() < 1e-9 && (found[1].0 - (place + half)).abs() < 1e-9
+                );
                 assert_eq!(times(step, Event::rising(), &|x| touch(x) - depth), found[1..]);
             }
             // with the rounding of a larger number
@@ -540,14 +553,21 @@ fn what_is_changed_acts_from_the_event_on() {
             .controlled_every(interval, |_, time| MassControl { push: if time < 0.55 { 0.0 } else { 3.0 } })
             .observe(&mut record)
             .each(|tick| pushes.push(tick.control.map(|control| control.push)))
-            .event(Event::any(), |_, time| time - 0.55, |event| {
-                event.control_mut().unwrap().push = 3.0;
-            })
+            .event(
+                Event::any(),
+                |_, time| time - 0.55,
+                |event| {
+                    event.control_mut().unwrap().push = 3.0;
+                },
+            )
             .steps(8)
             .unwrap();
         let (position, momentum) = at(0.55, 0.8, 3.0);
         assert!((state.position.x - position).abs() < 1e-14 && (state.momentum.x - momentum).abs() < 1e-14);
-        assert_eq!(record.times(), [0.0, 0.1, 0.2, 0.30000000000000004, 0.4, 0.5, 0.6000000000000001, 0.7000000000000001, 0.8]);
+        assert_eq!(
+            record.times(),
+            [0.0, 0.1, 0.2, 0.30000000000000004, 0.4, 0.5, 0.6000000000000001, 0.7000000000000001, 0.8]
+        );
         assert_eq!((pushes[5], pushes[6]), (Some(0.0), Some(3.0)));
     }
     let (mut stepper, mut state) = moving(0.0, 1.0, 0.1);
@@ -561,24 +581,33 @@ fn what_is_changed_acts_from_the_event_on() {
     // parameters: twice the mass has half the velocity
     let (mut stepper, mut state) = moving(0.0, 1.0, 0.1);
     Run::new(&mut stepper, &mut state)
-        .event(Event::any(), |_, time| time - 0.55, |event| {
-            assert!(event.set_parameters(&Mass { mass: -1.0 }).is_err());
-            assert_eq!(event.system().mass, 1.0);
-            event.set_parameters(&Mass { mass: 2.0 }).unwrap();
-        })
+        .event(
+            Event::any(),
+            |_, time| time - 0.55,
+            |event| {
+                assert!(event.set_parameters(&Mass { mass: -1.0 }).is_err());
+                assert_eq!(event.system().mass, 1.0);
+                event.set_parameters(&Mass { mass: 2.0 }).unwrap();
+            },
+        )
         .to(1.0)
         .unwrap();
     assert!((state.position.x - (0.55 + 0.225)).abs() < 1e-15);
     assert_eq!(stepper.system().mass, 2.0);
     // with types erased
-    let mut stepper = erased::Stepper::new(Arc::new(Mass { mass: 1.0 }), &Exponential::scheme(), 0.1).unwrap();
+    let mut stepper =
+        erased::Stepper::new(Arc::new(Mass { mass: 1.0 }), &Exponential::scheme(), 0.1).unwrap();
     let mut state = vec![0.0, 1.0];
     Run::new(&mut stepper, &mut state)
-        .event(Event::any(), |_, time| time - 0.55, |event| {
-            assert!(event.set_parameters(&[1.0, 2.0]).is_err());
-            event.set_parameters(&[2.0]).unwrap();
-            event.control_mut().unwrap()[0] = 4.0;
-        })
+        .event(
+            Event::any(),
+            |_, time| time - 0.55,
+            |event| {
+                assert!(event.set_parameters(&[1.0, 2.0]).is_err());
+                event.set_parameters(&[2.0]).unwrap();
+                event.control_mut().unwrap()[0] = 4.0;
+            },
+        )
         .to(1.0)
         .unwrap();
     assert!((state[0] - (0.55 + 0.225 + 0.45_f64.powi(2))).abs() < 1e-15, "{state:?}");
@@ -591,10 +620,14 @@ fn runs_go_back_in_time_and_are_stopped_by_callbacks() {
     let mut found = Vec::new();
     let report = Run::new(&mut stepper, &mut state)
         .save_at([0.5, -0.1, -0.2, -0.15, -0.95, -1.1], &mut saved)
-        .event(Event::falling(), |state, _| state.position.x, |event| {
-            found.push(event.time());
-            event.stop();
-        })
+        .event(
+            Event::falling(),
+            |state, _| state.position.x,
+            |event| {
+                found.push(event.time());
+                event.stop();
+            },
+        )
         .to(-9.0)
         .unwrap();
     assert_eq!((found, report.event), (vec![stepper.time()], Some(0)));
@@ -633,10 +666,14 @@ fn no_condition_ends_in_a_panic_or_runs_forever() {
     let (mut stepper, mut state) = moving(-1e-5, 1.0, 0.1);
     let mut found = 0;
     let error = Run::new(&mut stepper, &mut state)
-        .event(Event::any(), |state, _| state.position.x, |event| {
-            found += 1;
-            event.state_mut().position.x = -1e-5;
-        })
+        .event(
+            Event::any(),
+            |state, _| state.position.x,
+            |event| {
+                found += 1;
+                event.state_mut().position.x = -1e-5;
+            },
+        )
         .steps(3)
         .unwrap_err();
     let StepError::TooManyEvents { most, time } = error.cause else { panic!("{error}") };
@@ -645,9 +682,13 @@ fn no_condition_ends_in_a_panic_or_runs_forever() {
     // a step that cannot be taken behind an event
     let (mut stepper, mut state) = moving(-0.25, 1.0, 0.1);
     let error = Run::new(&mut stepper, &mut state)
-        .event(Event::any(), |state, _| state.position.x, |event| {
-            event.control_mut().unwrap().push = f64::NAN;
-        })
+        .event(
+            Event::any(),
+            |state, _| state.position.x,
+            |event| {
+                event.control_mut().unwrap().push = f64::NAN;
+            },
+        )
         .steps(30)
         .unwrap_err();
     assert_eq!((error.cause, error.step, error.time), (StepError::NotFinite, 3, stepper.time()));
