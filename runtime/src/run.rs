@@ -219,6 +219,10 @@ type ControlOf<T> = <<T as Stepping>::System as Dynamics>::Control;
 /// How the last step went, and the control held over it; none before the first.
 type Last<S> = Option<(StepReport, <S as Dynamics>::Control)>;
 
+/// A run within whose steps there is one thing more to be done.
+#[doc(hidden)]
+pub type Doing<'a, T, O, C, W, X> = Run<'a, T, O, C, (W, X)>;
+
 /// A run to be made: a stepper, a state to start from, who watches, and who controls.
 ///
 /// The observers see the initial state and the state after every step, in the order in which they were added.
@@ -408,7 +412,7 @@ where
     /// * Observers see the ends of steps, and the end of the run.
     ///
     /// Without events within them, steps take no longer. With them each is taken by itself, and its end looked at.
-    pub fn event<G, F>(self, event: Event, condition: G, action: F) -> Run<'a, T, O, C, (W, Watched<G, F>)>
+    pub fn event<G, F>(self, event: Event, condition: G, action: F) -> Doing<'a, T, O, C, W, Watched<G, F>>
     where
         G: FnMut(&S::State, f64) -> f64,
         F: FnMut(&mut Occurrence<'_, '_, S>),
@@ -422,7 +426,7 @@ where
     pub fn events<G, F>(
         self,
         events: impl IntoIterator<Item = (Event, G, F)>,
-    ) -> Run<'a, T, O, C, (W, std::vec::Vec<Watched<G, F>>)>
+    ) -> Doing<'a, T, O, C, W, std::vec::Vec<Watched<G, F>>>
     where
         G: FnMut(&S::State, f64) -> f64,
         F: FnMut(&mut Occurrence<'_, '_, S>),
@@ -453,7 +457,7 @@ where
     /// assert_eq!(record.times(), [0.0, 0.25, 1.0 / 3.0]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn save_at<I, P>(self, times: I, observer: P) -> Run<'a, T, O, C, (W, Samples<I::IntoIter, P>)>
+    pub fn save_at<I, P>(self, times: I, observer: P) -> Doing<'a, T, O, C, W, Samples<I::IntoIter, P>>
     where
         I: IntoIterator<Item = f64>,
         P: Observer<S>,
@@ -461,7 +465,7 @@ where
         self.doing(Samples::new(times.into_iter(), observer))
     }
 
-    fn doing<X>(self, more: X) -> Run<'a, T, O, C, (W, X)> {
+    fn doing<X>(self, more: X) -> Doing<'a, T, O, C, W, X> {
         let Self { stepper, state, start, observer, law, within } = self;
         Run { stepper, state, start, observer, law, within: (within, more) }
     }

@@ -6,6 +6,7 @@
 use super::search::{Function, Point, crossing, dip};
 use super::{Crossing, Event, MOST_POINTS};
 use crate::error::StepError;
+use crate::scalar::Scalar;
 
 /// Points that are looked at within a step, with those that are found to be needed.
 const MOST: usize = MOST_POINTS as usize + 40;
@@ -164,10 +165,11 @@ impl Tracker {
             let (end, beside, place) = if is_end { (count - 1, count - 2, count - 1) } else { (0, 1, 1) };
             let [end, beside] = [self.points[end], self.points[beside]];
             let cell = (beside.at - end.at).abs();
-            let is_near =
-                end.value.abs() < largest * (1.5 * (cell / (1.0 - cell).max(cell)).powi(2)).min(1.0);
+            // a dip there is as deep as a parabola with the other values is high
+            let share = cell / (1.0 - cell).max(cell);
+            let is_near = end.value.abs() < largest * (1.5 * share * share).min(1.0);
             if is_one_sided(&[end, beside]) && end.value.abs() < beside.value.abs() && is_near {
-                let by = 0.5 * (beside.at - end.at) * (end.value.abs() / largest).sqrt();
+                let by = 0.5 * (beside.at - end.at) * Scalar::sqrt(end.value.abs() / largest);
                 let at = end.at + by;
                 if at != end.at && at != beside.at {
                     let value = function(at)?;
