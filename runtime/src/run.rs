@@ -415,7 +415,7 @@ where
     pub fn event<G, F>(self, event: Event, condition: G, action: F) -> Doing<'a, T, O, C, W, Watched<G, F>>
     where
         G: FnMut(&S::State, f64) -> f64,
-        F: FnMut(&mut Occurrence<'_, '_, S>),
+        F: FnMut(&mut Occurrence<'_, S>),
     {
         self.doing(Watched::new(event, condition, action))
     }
@@ -429,7 +429,7 @@ where
     ) -> Doing<'a, T, O, C, W, std::vec::Vec<Watched<G, F>>>
     where
         G: FnMut(&S::State, f64) -> f64,
-        F: FnMut(&mut Occurrence<'_, '_, S>),
+        F: FnMut(&mut Occurrence<'_, S>),
     {
         let watched =
             events.into_iter().map(|(event, condition, action)| Watched::new(event, condition, action));

@@ -247,17 +247,16 @@ pub(crate) fn simulate_within(
             let value = &value;
             let condition = move |state: &Vec<f64>, time: f64| value(of, state, time);
             let looker = &looker;
-            let action =
-                move |occurrence: &mut coadjoint::Occurrence<'_, '_, dyn erased::System>| match watched {
-                    None => within.ended.set(true),
-                    Some(event) => {
-                        let seen = Seen::Event(event, occurrence.crossing());
-                        let tick = Tick::new(occurrence.system(), 0, occurrence.time(), occurrence.state());
-                        if looker.look(seen, &tick).is_break() {
-                            occurrence.stop();
-                        }
+            let action = move |occurrence: &mut coadjoint::Occurrence<'_, dyn erased::System>| match watched {
+                None => within.ended.set(true),
+                Some(event) => {
+                    let seen = Seen::Event(event, occurrence.crossing());
+                    let tick = Tick::new(occurrence.system(), 0, occurrence.time(), occurrence.state());
+                    if looker.look(seen, &tick).is_break() {
+                        occurrence.stop();
                     }
-                };
+                }
+            };
             (event, condition, action)
         });
         let run =

@@ -226,7 +226,9 @@ impl Tracker {
             let (near, far) = (self.points[self.passed], self.points[self.passed + 1]);
             self.passed += 1;
             let before = self.side;
-            self.side = side(far.value, self.rounding);
+            // compared with where it comes from
+            let rounding = if near.value.is_finite() { 4.0 * f64::EPSILON * near.value.abs() } else { 0.0 };
+            self.side = side(far.value, rounding);
             let Some(was_positive) = before else { continue };
             let crossing = if was_positive { Crossing::Falling } else { Crossing::Rising };
             match self.side {
@@ -234,13 +236,12 @@ impl Tracker {
                 // it comes to zero
                 None => {
                     let rest = self.points().iter().skip(self.passed + 1);
-                    let then = rest.filter_map(|point| side(point.value, self.rounding)).next();
+                    let then = rest.filter_map(|point| side(point.value, rounding)).next();
                     let is_end = self.passed + 1 == self.count;
                     let is_touch = then == before || is_end && is_even(function, near.at, far.at)?;
                     let crossing = if is_touch { Crossing::Touch } else { crossing };
                     if self.event.counts(crossing) {
-                        self.next =
-                            Some(Zero { at: far.at, crossing, noise: far.value.abs().max(self.rounding) });
+                        self.next = Some(Zero { at: far.at, crossing, noise: far.value.abs().max(rounding) });
                         return Ok(());
                     }
                 }

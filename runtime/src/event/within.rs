@@ -162,7 +162,7 @@ impl<S, G, F> Within<S> for Watched<G, F>
 where
     S: Dynamics + ?Sized,
     G: FnMut(&S::State, f64) -> f64,
-    F: FnMut(&mut Occurrence<'_, '_, S>),
+    F: FnMut(&mut Occurrence<'_, S>),
 {
     fn events(&self) -> usize {
         1

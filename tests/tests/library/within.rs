@@ -538,6 +538,56 @@ fn touches_and_pairs_within_a_step_are_found() {
     }
 }
 
+/// Sums of three waves, of up to ten periods in a hundred steps: which zeros are found with what is usual, and with more points.
+#[test]
+fn zeros_of_random_waves_are_found_once() {
+    let mut seed = 1_u64;
+    let mut random = |least: f64, most: f64| {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        least + (most - least) * (seed >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let (mut all, mut missed) = (0, [0, 0]);
+    for _ in 0..300 {
+        let waves: [[f64; 3]; 3] = [(); 3].map(|()| [random(0.3, 1.0), random(0.5, 6.3), random(0.0, 6.3)]);
+        let wave = |t: f64| waves.iter().map(|[by, rate, phase]| by * (rate * t + phase).sin()).sum::<f64>();
+        // as far as ten thousand values tell
+        let place = |k: usize| 10.0 * k as f64 / 10_000.0;
+        let changes = (0..10_000).filter(|&k| (wave(place(k)) > 0.0) != (wave(place(k + 1)) > 0.0));
+        let expected: Vec<f64> = changes
+            .map(|k| {
+                let (mut least, mut most) = (place(k), place(k + 1));
+                for _ in 0..60 {
+                    let middle = 0.5 * (least + most);
+                    if (wave(middle) > 0.0) == (wave(place(k)) > 0.0) {
+                        least = middle
+                    } else {
+                        most = middle
+                    }
+                }
+                most
+            })
+            .collect();
+        all += expected.len();
+        for (event, missed) in [Event::any(), Event::any().points(8)].into_iter().zip(&mut missed) {
+            let (mut stepper, mut state) = moving(0.0, 1.0, 0.1);
+            let mut found = Vec::new();
+            Run::new(&mut stepper, &mut state)
+                .event(event, |_, time| wave(time), |event| found.push(event.time()))
+                .to(10.0)
+                .unwrap();
+            assert!(found.windows(2).all(|pair| pair[0] < pair[1]), "{found:?}");
+            // each is one, and none is found that is none
+            for time in &found {
+                let near = expected.iter().filter(|exact| (*exact - time).abs() < 1e-10).count();
+                assert_eq!(near, 1, "{time} of {expected:?}");
+            }
+            *missed += expected.len() - found.len();
+        }
+    }
+    println!("{all} zeros, {missed:?} missed");
+    assert_eq!(missed, [0, 0]);
+}
+
 #[test]
 fn what_is_changed_acts_from_the_event_on() {
     // the control, from time 0.55 on; time, position and velocity after it
