@@ -73,6 +73,7 @@ pub mod ensemble;
 #[cfg(feature = "std")]
 pub mod erased;
 pub mod error;
+pub mod event;
 #[cfg(feature = "std")]
 mod flat;
 #[cfg(feature = "std")]
@@ -80,6 +81,7 @@ mod fused;
 #[cfg(feature = "std")]
 pub mod guide;
 mod inertia;
+mod interval;
 mod kernel;
 mod legendre;
 mod literals;
@@ -217,8 +219,10 @@ pub use compensated::Compensated;
 #[cfg(feature = "std")]
 pub use ensemble::Ensemble;
 pub use error::{ParameterError, StepError};
+pub use event::{Crossing, Event, Occurrence};
 #[cfg(feature = "std")]
 pub use fused::Fused;
+pub use interval::Interval;
 pub use legendre::LegendreError;
 pub use nalgebra;
 #[cfg(feature = "std")]

@@ -11,7 +11,7 @@ use super::system::{System, check_length, length};
 use crate::error::{ParameterError, StepError};
 use crate::flat::{NotGenerated, array, copy};
 use crate::stepper::report::{RunError, RunReport};
-use crate::stepper::{StepReport, Stepping};
+use crate::stepper::{Inputs, StepReport, Stepping};
 use crate::system::{self, Control, State};
 use crate::taylor::{self, PowerSeries, SeriesVisitor};
 
@@ -40,6 +40,7 @@ use crate::taylor::{self, PowerSeries, SeriesVisitor};
 /// ```
 pub struct Adaptive {
     system: Arc<dyn System>,
+    tolerance: f64,
     steps: Box<dyn TaylorSteps>,
 }
 
@@ -54,6 +55,14 @@ pub trait TaylorSteps: Send + Sync {
     fn is_adaptive(&self) -> bool;
     fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError>;
     fn set_end(&mut self, time: f64);
+    fn has_ended(&self) -> bool;
+    fn go_on_at(&mut self, time: f64, steps: u64);
+    fn step_beside(
+        &self,
+        state: &mut [f64],
+        from: (f64, f64),
+        control: &[f64],
+    ) -> Result<StepReport, StepError>;
     fn snapshot(&self) -> Vec<f64>;
     fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError>;
     fn step_with(&mut self, state: &mut [f64], control: &[f64]) -> Result<f64, StepError>;
@@ -87,6 +96,27 @@ impl<S: PowerSeries<Scalar = f64> + Send + Sync> TaylorSteps for taylor::Adaptiv
 
     fn set_end(&mut self, time: f64) {
         Stepping::set_end(self, time);
+    }
+
+    fn has_ended(&self) -> bool {
+        Stepping::has_ended(self)
+    }
+
+    fn go_on_at(&mut self, time: f64, steps: u64) {
+        Stepping::go_on_at(self, time, steps);
+    }
+
+    fn step_beside(
+        &self,
+        state: &mut [f64],
+        from: (f64, f64),
+        control: &[f64],
+    ) -> Result<StepReport, StepError> {
+        let mut next = S::State::from_components(&array(state));
+        let control = S::Control::from_components(&array(control));
+        let report = Stepping::step_beside(self, &mut next, from, Inputs::Held(&control))?;
+        copy(state, next.to_components().as_ref());
+        Ok(report)
     }
 
     fn snapshot(&self) -> Vec<f64> {
@@ -141,7 +171,7 @@ impl Adaptive {
             system: system.description().name,
             key: "taylor",
         })??;
-        Ok(Self { system, steps })
+        Ok(Self { system, tolerance, steps })
     }
 
     /// The system.
@@ -207,6 +237,39 @@ impl Stepping for Adaptive {
 
     fn set_end(&mut self, time: f64) {
         self.steps.set_end(time);
+    }
+
+    fn has_ended(&self) -> bool {
+        self.steps.has_ended()
+    }
+
+    fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), ParameterError> {
+        let (expected, got) = (self.system.parameters().len(), parameters.len());
+        if got != expected {
+            return Err(ParameterError::Length { expected, got });
+        }
+        let system = self.system.with_parameters(parameters);
+        let (tolerance, memory) = (self.tolerance, self.steps.snapshot());
+        let series = system.power_series(tolerance).ok_or(ParameterError::Tolerance { tolerance })?;
+        (self.system, self.steps) = (system, series?);
+        self.steps.restore(&memory)
+    }
+
+    fn step_beside(
+        &self,
+        state: &mut Vec<f64>,
+        from: (f64, f64),
+        input: Inputs<'_, Vec<f64>>,
+    ) -> Result<StepReport, StepError> {
+        check_length(state, length(self.system.description().state))?;
+        match input {
+            Inputs::Held(control) => self.steps.step_beside(state, from, control),
+            Inputs::Driven(_) => Err(StepError::NotDriven),
+        }
+    }
+
+    fn go_on_at(&mut self, time: f64, steps: u64) {
+        self.steps.go_on_at(time, steps);
     }
 
     fn snapshot(&self) -> Vec<f64> {

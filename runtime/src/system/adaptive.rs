@@ -27,6 +27,8 @@ pub struct Adaptive<S: PowerSeries> {
     pub(crate) taken: u64,
     /// The last step: how long it was.
     pub(crate) last: Option<f64>,
+    /// When it started; not a number where the series are not those of the last step.
+    pub(crate) from: f64,
     pub(crate) series: Series<S, S::Scalar>,
 }
 
@@ -49,6 +51,7 @@ impl<S: PowerSeries> Adaptive<S> {
             time: [0.0; 2],
             taken: 0,
             last: None,
+            from: f64::NAN,
             series: Series::new((order as usize).clamp(LEAST_ORDER, MOST_COEFFICIENTS)),
         })
     }

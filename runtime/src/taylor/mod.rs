@@ -34,7 +34,7 @@ use core::fmt;
 use crate::error::{ParameterError, StepError};
 use crate::scalar::{Batch, Real, Scalar as _};
 use crate::stepper::report::{RunError, RunReport};
-use crate::stepper::{StepReport, Stepping, check_deviation, check_step};
+use crate::stepper::{Inputs, StepReport, Stepping, check_deviation, check_step};
 #[cfg(doc)]
 use crate::system::System;
 pub use crate::system::adaptive::Adaptive;
@@ -92,7 +92,7 @@ impl<S: PowerSeries> Adaptive<S> {
 
     /// Sets the time: the next step starts at `time`.
     pub fn set_time(&mut self, time: f64) {
-        self.time = [time, 0.0];
+        (self.time, self.from) = ([time, 0.0], f64::NAN);
     }
 
     /// The steps taken.
@@ -185,7 +185,7 @@ impl<S: PowerSeries> Adaptive<S> {
     /// The state within the last step, from 0 at its start to 1 at its end: on the group and the orbit, and as accurate as the end. None before the
     /// first step, and outside of it.
     pub fn at(&self, share: f64) -> Option<S::State> {
-        let step = self.last.filter(|_| (0.0..=1.0).contains(&share))?;
+        let step = self.last.filter(|_| !self.from.is_nan() && (0.0..=1.0).contains(&share))?;
         Some(S::State::from_components(&self.series.state(S::Scalar::of(share * step))))
     }
 
@@ -204,6 +204,7 @@ impl<S: PowerSeries> Adaptive<S> {
             return Err(StepError::NotFinite);
         }
         let velocity = self.system.start_velocity(state, time, control);
+        self.from = f64::NAN;
         let (step, next) = <S::Scalar as Batch>::dispatch_wide(Advance {
             series: &mut self.series,
             start: Start {
@@ -230,7 +231,7 @@ impl<S: PowerSeries> Adaptive<S> {
         let sum = high + step;
         let part = sum - high;
         let rest = ((high - (sum - part)) + (step - part)) + low;
-        self.time = [sum + rest, rest - ((sum + rest) - sum)];
+        (self.time, self.from) = ([sum + rest, rest - ((sum + rest) - sum)], high);
         self.last = Some(step);
         self.taken += 1;
         Ok(step)
@@ -259,9 +260,15 @@ impl<S: PowerSeries> Stepping for Adaptive<S> {
         Self::steps_taken(self)
     }
 
-    /// The length of the last step.
+    /// The length of the last step, with the sign of the way to the end that is set; before the first that way.
     fn step_size(&self) -> f64 {
-        self.fixed.unwrap_or(self.last_step())
+        let way = self.end - self.time[0];
+        match self.last {
+            _ if self.fixed.is_some() => self.fixed.unwrap_or(way),
+            None => way,
+            Some(last) if way == 0.0 || !way.is_finite() => last,
+            Some(last) => last.abs().copysign(way),
+        }
     }
 
     /// Takes steps of this length from now on, whatever the tolerance.
@@ -279,6 +286,10 @@ impl<S: PowerSeries> Stepping for Adaptive<S> {
         self.end = time;
     }
 
+    fn has_ended(&self) -> bool {
+        self.end == self.time[0]
+    }
+
     #[cfg(feature = "std")]
     fn snapshot(&self) -> std::vec::Vec<f64> {
         std::vec![self.time[0], self.time[1], self.taken as f64, self.last_step()]
@@ -288,7 +299,7 @@ impl<S: PowerSeries> Stepping for Adaptive<S> {
         let &[high, low, taken, last] = memory else {
             return Err(ParameterError::Snapshot { expected: 4, got: memory.len() });
         };
-        (self.time, self.taken) = ([high, low], taken as u64);
+        (self.time, self.taken, self.from) = ([high, low], taken as u64, f64::NAN);
         self.last = Some(last).filter(|last| *last != 0.0);
         Ok(())
     }
@@ -312,6 +323,34 @@ impl<S: PowerSeries> Stepping for Adaptive<S> {
         count: u64,
     ) -> Result<RunReport, RunError> {
         steps_with(self, state, control, count)
+    }
+
+    fn set_parameters(&mut self, system: &S) -> Result<(), ParameterError> {
+        system.validate()?;
+        (self.system, self.from) = (S::from_parameters(&system.to_parameters()), f64::NAN);
+        Ok(())
+    }
+
+    fn step_beside(
+        &self,
+        state: &mut S::State,
+        (start, length): (f64, f64),
+        input: Inputs<'_, S::Control>,
+    ) -> Result<StepReport, StepError> {
+        let Inputs::Held(control) = input else { return Err(StepError::NotDriven) };
+        if start == self.from && self.last.is_some_and(|last| (0.0..=1.0).contains(&(length / last))) {
+            // within the last step, whose series are there
+            *state = S::State::from_components(&self.series.state(S::Scalar::of(length)));
+            return Ok(EXPLICIT);
+        }
+        let mut beside = self.of(S::from_parameters(&self.system.to_parameters()));
+        (beside.time, beside.end) = ([start, 0.0], f64::INFINITY);
+        beside.to_with(state, control, start + length).map_err(|error| error.cause)?;
+        Ok(EXPLICIT)
+    }
+
+    fn go_on_at(&mut self, time: f64, steps: u64) {
+        (self.time, self.taken, self.from) = ([time, 0.0], steps, f64::NAN);
     }
 }
 
@@ -340,9 +379,16 @@ pub(crate) const EXPLICIT: StepReport = StepReport { iterations: 0, residual: 0.
 
 impl<S: PowerSeries + Clone> Clone for Adaptive<S> {
     fn clone(&self) -> Self {
-        let Self { tolerance, fixed, most, end, time, taken, last, .. } = *self;
-        let (system, series) = (self.system.clone(), self.series.clone());
-        Self { system, tolerance, fixed, most, end, time, taken, last, series }
+        self.of(self.system.clone())
+    }
+}
+
+impl<S: PowerSeries> Adaptive<S> {
+    /// The same for a system.
+    fn of(&self, system: S) -> Self {
+        let Self { tolerance, fixed, most, end, time, taken, last, from, .. } = *self;
+        let series = self.series.clone();
+        Self { system, tolerance, fixed, most, end, time, taken, last, from, series }
     }
 }
 

@@ -17,3 +17,4 @@ mod systems;
 mod taylor;
 mod together;
 mod unsolved;
+mod within;
