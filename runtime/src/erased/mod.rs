@@ -29,6 +29,8 @@
 //! ```
 
 mod composition;
+#[cfg(feature = "dynamic")]
+pub mod dynamic;
 mod ensemble;
 mod equation;
 mod field;
@@ -45,7 +47,7 @@ pub use crate::retraction::RetractionKind;
 pub use crate::system::Description;
 pub use ensemble::Ensemble;
 #[doc(hidden)]
-pub use equation::Equation;
+pub use equation::{Equation, Program};
 #[doc(hidden)]
 pub use jacobian::Linearization;
 pub use jacobian::{Jacobian, JacobianError};

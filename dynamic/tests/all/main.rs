@@ -1,0 +1,4 @@
+//! Systems made of texts.
+#![allow(clippy::unwrap_used)]
+
+mod same;
