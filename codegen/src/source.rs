@@ -136,7 +136,10 @@ impl Source {
                 }
                 let written = path.to_token_stream().to_string().replace(' ', "");
                 let Some(tokens) = self.constants.get(&text) else {
-                    return Err(unknown(format!("`{written}` {NOT_KNOWN}")));
+                    let name = written.rsplit("::").next().unwrap_or_default();
+                    return Err(unknown(format!(
+                        "`{written}` is known to a compiler alone: write `const {name}: f64 = …;` beside the struct, or make it a field"
+                    )));
                 };
                 let Some(depth) = depth.checked_sub(1) else {
                     return Err(unknown(format!("`{written}` is defined by too many others")));

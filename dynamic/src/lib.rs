@@ -66,6 +66,11 @@
 //! system. A step takes about ten times as long as a compiled one; of an [ensemble](coadjoint::erased::Ensemble), whose members go through
 //! each operation side by side, any scheme can be taken.
 
+/// The guide's page, whose code is compiled here.
+#[cfg(doctest)]
+#[doc = include_str!("../../runtime/src/guide/at_run_time.md")]
+mod at_run_time {}
+
 mod assembler;
 mod definition;
 mod intern;
@@ -136,6 +141,11 @@ impl Model {
         self.definition.description
     }
 
+    /// What systems are made of.
+    pub fn definition(&self) -> &Arc<Definition> {
+        &self.definition
+    }
+
     /// What is no error, but worth knowing.
     pub fn warnings(&self) -> &[Problem] {
         &self.warnings
@@ -152,10 +162,26 @@ impl Model {
     }
 }
 
+/// The names of the structs that a text describes.
+///
+/// # Errors
+/// If it is no text of tokens.
+pub fn names(text: &str, file: &str) -> Result<Vec<String>, DescriptionError> {
+    let source = source(text, file)?;
+    Ok(source.described().iter().map(|one| one.name.to_string()).collect())
+}
+
+fn source(text: &str, file: &str) -> Result<Source, DescriptionError> {
+    let wrong = |error: proc_macro2::LexError| {
+        let message = "this is no text of Rust: a bracket or a quote is not closed, or was not opened";
+        DescriptionError::new(file, vec![Problem::at(text, error.span(), message.to_owned())])
+    };
+    Ok(Source::find(text.parse::<TokenStream>().map_err(wrong)?))
+}
+
 fn derived(text: &str, file: &str, name: Option<&str>) -> Result<Model, DescriptionError> {
     let failed = |error| DescriptionError::of(file, text, error);
-    let tokens: TokenStream = text.parse().map_err(|error: proc_macro2::LexError| failed(error.into()))?;
-    let source = Source::find(tokens);
+    let source = source(text, file)?;
     let coadjoint_codegen::Derived { program, constants, warnings } =
         coadjoint_codegen::derived(&source, name).map_err(failed)?;
     if program.interface.scalar == ScalarType::F32 {
