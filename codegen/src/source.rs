@@ -20,6 +20,8 @@ pub struct Source {
     functions: Vec<(TokenStream, TokenStream)>,
     /// Values, by paths as they are spelt.
     constants: BTreeMap<String, TokenStream>,
+    /// What names in modules stand for, both as paths are spelt; `*` for all names of a module.
+    imports: Vec<(String, String)>,
 }
 
 /// A struct below its attribute.
@@ -35,10 +37,6 @@ pub struct Described {
 
 /// How deep modules may be in each other.
 const MODULES: usize = 8;
-
-/// The number of a constant that is a path to nothing, or no number.
-const NOT_KNOWN: &str =
-    "is known to a compiler alone: write `const NAME: f64 = …;` beside the struct, or a field";
 
 impl Source {
     /// Finds what there is.
@@ -130,12 +128,12 @@ impl Source {
                 }
             }
             Expr::Path(path) => {
-                let text = spelt(path);
-                if let Some(value) = standard(&text) {
+                let texts = self.meant(&spelt(path));
+                if let Some(value) = texts.iter().find_map(|text| standard(text)) {
                     return Ok(value);
                 }
                 let written = path.to_token_stream().to_string().replace(' ', "");
-                let Some(tokens) = self.constants.get(&text) else {
+                let Some(tokens) = texts.iter().find_map(|text| self.constants.get(text)) else {
                     let name = written.rsplit("::").next().unwrap_or_default();
                     return Err(unknown(format!(
                         "`{written}` is known to a compiler alone: write `const {name}: f64 = …;` beside the struct, or make it a field"
@@ -152,6 +150,45 @@ impl Source {
             _ => {
                 Err(unknown("a constant is a number, or made of numbers by `+`, `-`, `*` and `/`".to_owned()))
             }
+        }
+    }
+
+    /// The paths that a path may stand for: itself, and what imports make of its first words.
+    fn meant(&self, path: &str) -> Vec<String> {
+        let mut all = vec![path.to_owned()];
+        for (name, of) in &self.imports {
+            let rest = match name.strip_suffix('*') {
+                Some(module) => path.strip_prefix(module).map(|rest| format!(" :: {rest}")),
+                None => path.strip_prefix(name.as_str()).map(str::to_owned),
+            };
+            if let Some(rest) = rest.filter(|rest| rest.is_empty() || rest.starts_with(" :: ")) {
+                all.push(format!("{of}{rest}"));
+            }
+        }
+        all
+    }
+
+    /// Takes note of what an import brings into a module.
+    fn import(&mut self, tree: &syn::UseTree, of: &str, module: &str) {
+        use syn::UseTree;
+        let join = |path: &str, name: &str| match path {
+            "" => name.to_owned(),
+            path => format!("{path} :: {name}"),
+        };
+        let mut bring = |name: String, of: String| self.imports.push((join(module, &name), of));
+        match tree {
+            UseTree::Path(path) => {
+                let inner = join(of, &path.ident.to_string());
+                self.import(&path.tree, inner.strip_prefix("crate :: ").unwrap_or(&inner), module);
+            }
+            UseTree::Name(name) if name.ident == "self" => {
+                let last = of.rsplit(" :: ").next().unwrap_or_default();
+                bring(last.to_owned(), of.to_owned());
+            }
+            UseTree::Name(name) => bring(name.ident.to_string(), join(of, &name.ident.to_string())),
+            UseTree::Rename(name) => bring(name.rename.to_string(), join(of, &name.ident.to_string())),
+            UseTree::Glob(_) => bring("*".to_owned(), of.to_owned()),
+            UseTree::Group(group) => group.items.iter().for_each(|tree| self.import(tree, of, module)),
         }
     }
 
@@ -190,6 +227,16 @@ impl Source {
             true => name.to_token_stream(),
             false => quote::quote! { #module::#name },
         };
+        if matches!(rest.iter().find(|token| is_keyword(token)), Some(TokenTree::Ident(word)) if word == "use")
+        {
+            let tokens: TokenStream = rest.into_iter().collect();
+            if nested(&tokens).is_none()
+                && let Ok(import) = syn::parse2::<syn::ItemUse>(tokens)
+            {
+                self.import(&import.tree, "", &module.to_string());
+            }
+            return;
+        }
         let Some((keyword, name)) = rest.iter().zip(rest.iter().skip(1)).find_map(|pair| match pair {
             (TokenTree::Ident(keyword), TokenTree::Ident(name)) if is_keyword(pair.0) => {
                 Some((keyword.to_string(), name.clone()))

@@ -49,6 +49,7 @@ fn start(model: &Model) -> (Vec<f64>, Vec<f64>) {
         }
         place += quantity.components.len();
     }
+    let system: &dyn System = &system;
     assert!(system.deviation(&state) < 1e-12);
     (parameters, state)
 }

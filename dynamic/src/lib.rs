@@ -80,11 +80,12 @@ mod text;
 use std::sync::Arc;
 
 use coadjoint::erased::Description;
-use coadjoint::erased::dynamic::{Definition, DynamicSystem};
+use coadjoint::erased::dynamic::Definition;
 use coadjoint_codegen::quantity::ScalarType;
 use coadjoint_codegen::source::Source;
 use proc_macro2::TokenStream;
 
+pub use coadjoint::erased::dynamic::DynamicSystem;
 pub use text::{DescriptionError, Place, Problem};
 
 /// Room for what reads and derives a description, however deep that goes: within its bounds the generator needs less than 2 MB.
@@ -142,6 +143,7 @@ impl Model {
     }
 
     /// What systems are made of.
+    #[doc(hidden)]
     pub fn definition(&self) -> &Arc<Definition> {
         &self.definition
     }

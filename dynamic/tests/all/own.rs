@@ -77,3 +77,30 @@ fn functions_and_constants_are_found_too() {
         .map(|(model, parameters)| after(model, parameters, "Exponential", &start, 50));
     assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-14), "{a:?} {b:?}");
 }
+
+#[test]
+fn imports_are_followed() {
+    let text = |imports: &str, potential: &str| {
+        format!(
+            "{imports}
+             mod far {{ pub const NEAR: f64 = 0.5; pub mod away {{ pub const FAR: f64 = 3.0; }} }}
+             #[lie_poisson_system(group = R1, potential = {potential} * position.x)]
+             struct A {{ #[inertia] m: f64 }}"
+        )
+    };
+    for (imports, potential) in [
+        ("use std::f64::consts::PI;", "PI"),
+        ("pub(crate) use std::f64::consts::{PI as P, E};", "(P + E)"),
+        ("use std::f64::consts;", "consts::PI"),
+        ("use std::f64::{self, consts::*};", "(TAU + f64::EPSILON)"),
+        ("use far::NEAR;", "NEAR"),
+        ("use crate::far::away::{self, FAR};", "(away::FAR + FAR)"),
+    ] {
+        let model = Model::from_text(&text(imports, potential));
+        assert!(model.is_ok(), "{imports}: {}", model.unwrap_err());
+    }
+    assert!(Model::from_text(&text("use std::f64::consts::E;", "PI")).is_err());
+    let affine = include_str!("../../../systems/src/affine_body.rs");
+    let model = Model::from_text(affine).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(model.system(&[]).definition().constants, [std::f64::consts::PI]);
+}

@@ -30,6 +30,7 @@
 
 mod composition;
 #[cfg(feature = "dynamic")]
+#[doc(hidden)]
 pub mod dynamic;
 mod ensemble;
 mod equation;

@@ -64,8 +64,14 @@ impl<T: Called, const U: usize> Method<T> for DynamicMethod<T, U> {
         })
     }
 
+    /// The numbers that the typed stepper has: not those that fill up an unknown.
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
-        self.joined.user().memory(visit);
+        let unknowns = self.step.layout.unknown.len();
+        self.joined.user().memory(&mut |piece| {
+            // no other piece is as long as an unknown
+            let own = if piece.len() == U && U > 2 { unknowns } else { piece.len() };
+            visit(&mut piece[..own]);
+        });
     }
 }
 
