@@ -77,7 +77,7 @@ mod tests;
 pub use catalogue::{Example, Observables, shape};
 #[cfg(feature = "program")]
 pub use {
-    catalogue::{Catalogue, Entry, Observable},
+    catalogue::{BuildFn, Catalogue, Entry, Observable},
     clap,
     cli::App,
     error::Error,

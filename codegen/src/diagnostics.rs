@@ -61,6 +61,11 @@ impl Diagnostics {
         self.warnings.iter().map(|warning| (warning.at.to_string(), warning.message.as_str()))
     }
 
+    /// The warnings, each with the place that it is about.
+    pub(crate) fn warned(&self) -> Vec<(Span, String)> {
+        self.warnings.iter().map(|warning| (warning.at.span(), warning.message.clone())).collect()
+    }
+
     /// Whether nothing is wrong.
     pub fn is_empty(&self) -> bool {
         self.errors.is_empty()

@@ -28,6 +28,7 @@ pub mod parse;
 pub mod program;
 pub mod quantity;
 pub mod scheme;
+pub mod source;
 
 use std::collections::BTreeSet;
 
@@ -95,6 +96,47 @@ pub fn expand(attribute: TokenStream, item: TokenStream) -> syn::Result<Expansio
 /// All problems of the description, each at its tokens.
 pub fn program(attribute: TokenStream, item: TokenStream) -> syn::Result<Program> {
     compiled(attribute, item, |program, _, _, _| program)
+}
+
+/// What is derived of a description in a text.
+#[derive(Debug)]
+pub struct Derived {
+    /// Its program.
+    pub program: Program,
+    /// The values of the [constants](program::Interface::constants).
+    pub constants: Vec<f64>,
+    /// What is no error, each with its place.
+    pub warnings: Vec<(proc_macro2::Span, String)>,
+}
+
+/// The program of a description in a text, with the groups, functions and constants that stand beside it.
+///
+/// # Errors
+/// All problems of the description, each at its tokens; or if none, or none of this name, is there.
+pub fn derived(source: &source::Source, name: Option<&str>) -> syn::Result<Derived> {
+    let description = source.description(name)?;
+    let mut diagnostics = Diagnostics::new();
+    let mut attribute = Attribute::parse(description.attribute.clone(), &method::known(), &mut diagnostics);
+    match source.definitions() {
+        Ok(definitions) => (attribute.definitions, attribute.functions) = definitions,
+        Err(error) => diagnostics.absorb(error),
+    }
+    let mut unknown = Vec::new();
+    let made = compile(&attribute, description.item.clone(), &mut diagnostics, |program, system, _, _| {
+        let constants = system.constants.iter().map(|constant| {
+            source.constant(&constant.tokens).unwrap_or_else(|error| {
+                unknown.push(error);
+                f64::NAN
+            })
+        });
+        (program, constants.collect())
+    });
+    unknown.into_iter().for_each(|error| diagnostics.absorb(error));
+    let warnings = diagnostics.warned();
+    diagnostics.finish()?;
+    let (program, constants) =
+        made.ok_or_else(|| syn::Error::new(proc_macro2::Span::call_site(), "there is nothing to derive"))?;
+    Ok(Derived { program, constants, warnings })
 }
 
 /// What is made of the program of a description without problems.

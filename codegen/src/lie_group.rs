@@ -56,6 +56,26 @@ pub fn lie_group(input: TokenStream) -> TokenStream {
     quote! { #(#macros)* #messages }
 }
 
+/// The groups of a `lie_group!` in a text, by their names.
+pub(crate) fn definitions_of(input: TokenStream) -> syn::Result<Vec<Definition>> {
+    if let Some((span, message)) = nested(&input) {
+        return Err(syn::Error::new(span, message));
+    }
+    let declarations = declarations.parse2(input)?;
+    let of =
+        |Declaration { name, group, .. }: Declaration| Definition { path: name.to_string(), name, group };
+    Ok(declarations.into_iter().map(of).collect())
+}
+
+/// A function below `#[expression]` in a text, under the path that it is called by.
+pub(crate) fn function_of(path: TokenStream, item: TokenStream) -> syn::Result<OwnFunction> {
+    if let Some((span, message)) = nested(&item) {
+        return Err(syn::Error::new(span, message));
+    }
+    let path = syn::parse2(path)?;
+    (|input: ParseStream<'_>| OwnFunction::parse(path, input)).parse2(item)
+}
+
 fn declarations(input: ParseStream<'_>) -> syn::Result<Vec<Declaration>> {
     let mut all = Vec::new();
     while !input.is_empty() {

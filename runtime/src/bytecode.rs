@@ -54,7 +54,7 @@ impl Given {
 /// Runs a function: what is `given`, by its component, goes to its places, where what is not given stays as it is; and each number that is
 /// returned is shown, by the array's number and its own.
 pub(crate) fn run<N: Scalar>(
-    code: &'static [u8],
+    code: &[u8],
     places: &mut [N],
     given: impl Fn(Given, usize) -> Option<N>,
     mut returned: impl FnMut(usize, usize, N),
@@ -82,7 +82,7 @@ pub(crate) fn run<N: Scalar>(
 /// The most Stumpff functions of one argument.
 const MOST: usize = 12;
 
-fn statement<N: Scalar>(code: &mut Code, places: &mut [N]) {
+fn statement<N: Scalar>(code: &mut Code<'_>, places: &mut [N]) {
     if code.byte() == 0 {
         let place = code.count();
         let value = term(code, places);
@@ -145,7 +145,7 @@ mod kind {
 }
 
 /// The value of a term, operation by operation as it is compiled.
-fn term<N: Scalar>(code: &mut Code, places: &[N]) -> N {
+fn term<N: Scalar>(code: &mut Code<'_>, places: &[N]) -> N {
     let kind = code.byte();
     match kind {
         kind::NUMBER => N::of(code.number()),
@@ -209,7 +209,7 @@ fn angle_over_sine<N: Scalar>(order: usize, x: N) -> N {
 }
 
 /// An addend, and whether it is subtracted; the first never is.
-fn addend<N: Scalar>(code: &mut Code, places: &[N]) -> (bool, N) {
+fn addend<N: Scalar>(code: &mut Code<'_>, places: &[N]) -> (bool, N) {
     (code.byte() == 1, term(code, places))
 }
 
@@ -235,9 +235,9 @@ fn elementary<N: Scalar>(kind: u8, x: N) -> N {
 }
 
 /// What is left to read of a function.
-struct Code(&'static [u8]);
+struct Code<'a>(&'a [u8]);
 
-impl Code {
+impl Code<'_> {
     #[inline]
     fn byte(&mut self) -> u8 {
         match self.0.split_first() {

@@ -28,6 +28,7 @@
 //! * … [write and read states](storing), and the two orders of a quaternion
 //! * … [run without the standard library](embedded)
 //! * … [choose the system while the program runs](erased)
+//! * … [read a system from a text](at_run_time), with no compiler
 //!
 //! **Reference**
 //!
@@ -69,7 +70,11 @@ pages![
     paper
 ];
 
-// its code needs a crate that depends on this one, which compiles it
+// their code needs crates that depend on this one, which compile it
+pub mod at_run_time {
+    #![cfg_attr(not(doctest), doc = include_str!("guide/at_run_time.md"))]
+}
+
 pub mod your_program {
     #![cfg_attr(not(doctest), doc = include_str!("guide/your_program.md"))]
 }

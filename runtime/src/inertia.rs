@@ -57,6 +57,19 @@ pub fn symmetric_part<T: Real, const N: usize>(entries: [T; N], dimension: usize
     symmetric
 }
 
+/// Writes the [symmetric part](symmetric_part) of a matrix.
+#[cfg(feature = "dynamic")]
+pub(crate) fn symmetrize(entries: &[f64], to: &mut [f64], dimension: usize) {
+    if let (difference, true) = asymmetry(entries, dimension)
+        && difference > 0.0
+    {
+        for (place, to) in to.iter_mut().enumerate() {
+            let mirrored = entries.get(place % dimension * dimension + place / dimension);
+            *to = 0.5 * (*to + mirrored.copied().unwrap_or(*to));
+        }
+    }
+}
+
 /// All pivots positive, or an error naming the parameter.
 #[doc(hidden)]
 pub fn require_positive_definite<T: Real>(name: &'static str, pivots: &[T]) -> Result<(), ParameterError> {

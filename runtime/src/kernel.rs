@@ -65,6 +65,11 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
 
     /// The lengths of the blocks of unknowns, each of one unit: what is solved for in one is solved to the digits of that.
     const BLOCKS: Blocks;
+    /// [`BLOCKS`](Self::BLOCKS). Of a kernel that is made at run time they are known then, as is all that follows.
+    #[inline(always)]
+    fn blocks(&self) -> &[usize] {
+        Self::BLOCKS
+    }
     /// The step's functions once more, as data.
     const PROGRAM: Program = [&[]; 4];
 
@@ -97,11 +102,26 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
     /// Whether there is a [`fixed_point_update`](Self::fixed_point_update): the left side is linear with constant coefficients. Known when
     /// the code is compiled, so that of what needs it nothing is compiled where there is none.
     const HAS_FIXED_POINT_UPDATE: bool = true;
+    /// Whether there is one, where there may be.
+    #[inline(always)]
+    fn has_fixed_point_update(&self) -> bool {
+        Self::HAS_FIXED_POINT_UPDATE
+    }
     /// Whether the Newton [correction](Self::correction) is of the residual's Jacobian, not of one of fewer terms.
     const HAS_TRUE_JACOBIAN: bool = true;
+    /// [`HAS_TRUE_JACOBIAN`](Self::HAS_TRUE_JACOBIAN)
+    #[inline(always)]
+    fn has_true_jacobian(&self) -> bool {
+        Self::HAS_TRUE_JACOBIAN
+    }
     /// Whether the update is a simplified Newton step with nearly the true Jacobian, and the state after the step is made of the unknown alone, not
     /// of an evaluation near it.
     const IS_NEWTON: bool = false;
+    /// [`IS_NEWTON`](Self::IS_NEWTON)
+    #[inline(always)]
+    fn is_newton(&self) -> bool {
+        Self::IS_NEWTON
+    }
     /// The next iterate of the fixed-point iteration: with `left(x) = L x` it is `L⁻¹ right(x)`, or, where `right` is `n/(1 + d)`, `L⁻¹ n − d x`,
     /// which has the same fixed point and waits for no division. Not to be called where there is none.
     #[inline(always)]
@@ -137,6 +157,12 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
     #[inline(always)]
     fn is_bounded(_component: usize) -> bool {
         false
+    }
+    /// What rounding leaves of the residual, in units of the last place, where that is not to be found from the [program](Self::PROGRAM) that is
+    /// known when the code is compiled.
+    #[inline(always)]
+    fn rounding(&self, _unknown: &Self::Unknown, _lane: usize) -> Option<Self::Unknown> {
+        None
     }
 }
 
@@ -292,6 +318,9 @@ impl<T: Batch, K: Kernel<T>> Work for Roundoff<'_, T, K> {
     #[inline(always)]
     fn done(self) -> K::Unknown {
         let Self { equation: &AtState { kernel, state, step }, unknown, lane } = self;
+        if let Some(bound) = kernel.rounding(unknown, lane) {
+            return bound;
+        }
         let exactly = |numbers: &[T], i: usize| Some(Bounded::exactly(numbers.get(i)?.lane(lane)));
         let given = |given, i: usize| match given {
             Given::Constants => exactly(kernel.constants(), i),

@@ -79,6 +79,49 @@ fn shortened<T: Real, const N: usize, const M: usize>(
     None
 }
 
+/// [`newton`] from rest, of as many components as are known at run time.
+#[cfg(feature = "dynamic")]
+pub(crate) fn newton_of(
+    dimension: usize,
+    newton: impl Fn(&[f64]) -> std::vec::Vec<f64>,
+) -> std::vec::Vec<f64> {
+    let mut x = std::vec![0.0; dimension];
+    let mut at = newton(&x);
+    let mut last = std::vec![f64::INFINITY; dimension];
+    let shortened = |x: &[f64], correction: &[f64]| {
+        let mut scale = 1.0;
+        while scale > f64::EPSILON {
+            let trial: std::vec::Vec<f64> =
+                x.iter().zip(correction).map(|(x, correction)| x - scale * correction).collect();
+            let there = newton(&trial);
+            if there.iter().all(|component| component.is_finite()) {
+                return Some((trial, there));
+            }
+            scale *= 0.5;
+        }
+        None
+    };
+    let none = std::vec![f64::NAN; dimension];
+    for _ in 0..MAX_ITERATIONS {
+        let Some(correction) = at.get(dimension..) else { return none };
+        let ended = correction.iter().zip(&x).zip(&last).all(|((correction, x), last)| {
+            let [size, x] = [correction, x].map(|x| x.abs());
+            size <= 2.0 * f64::EPSILON * x || (size <= NEAR * x && size >= 0.5 * last)
+        });
+        if ended {
+            return x;
+        }
+        last = correction.iter().map(|correction| correction.abs()).collect();
+        match shortened(&x, correction) {
+            Some(next) => (x, at) = next,
+            None => return none,
+        }
+    }
+    let largest = |of: &[f64]| of.iter().map(|x| x.abs()).fold(0.0, f64::max);
+    let near = largest(&at[dimension..]) <= LEFT * largest(&x);
+    if near { x } else { none }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

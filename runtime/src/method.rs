@@ -258,6 +258,14 @@ pub struct Advanced<T: Batch, S> {
     pub residual: T,
 }
 
+impl<T: Batch, S> Advanced<T, S> {
+    /// The same with another state.
+    #[cfg(feature = "dynamic")]
+    pub(crate) fn with<X>(self, state: X) -> Advanced<T, X> {
+        Advanced { state, iterations: self.iterations, residual: self.residual }
+    }
+}
+
 /// A step that could not be taken in all lanes.
 #[derive(Clone, Copy)]
 pub struct Failure<T: Batch, S> {

@@ -8,10 +8,11 @@ use coadjoint::system::Quantity;
 use serde_json::json;
 
 use super::console::OutputMode;
+use super::description::DescriptionArguments;
 use crate::catalogue::Catalogue;
 use crate::catalogue::casimir::symbols;
 use crate::error::Error;
-use crate::setup::{Method, MethodParser, Retraction};
+use crate::setup::{Changes, Method, MethodParser, Retraction};
 use crate::simulate::{self, has_method, states_in_motion};
 use crate::units::listed;
 
@@ -19,13 +20,20 @@ use crate::units::listed;
 #[derive(Debug, Args)]
 pub(crate) struct CertifyArguments {
     /// The system; `list` shows all
-    pub(crate) system: String,
+    #[cfg_attr(feature = "description", arg(required_unless_present = "description"))]
+    #[cfg_attr(not(feature = "description"), arg(required = true))]
+    pub(crate) system: Option<String>,
+    #[command(flatten)]
+    pub(crate) described: DescriptionArguments,
     /// Only this method [default: the standard one and the midpoint]
     #[arg(long, value_parser = MethodParser)]
     pub(crate) method: Option<Method>,
     /// Only the steps built on this map; `exp` and `cay` for short
     #[arg(long, value_enum)]
     pub(crate) retraction: Option<Retraction>,
+    /// A parameter, a part of the state or a control in place of the example's, as `run` takes them: `weight=9.81`
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub(crate) set: Vec<String>,
     #[command(flatten)]
     pub(crate) output: OutputMode,
 }
@@ -38,7 +46,17 @@ pub(crate) fn certify(
     stdout: &mut dyn Write,
 ) -> Result<(), Error> {
     let mut console = arguments.output.on(stdout, false)?;
-    let entry = catalogue.system(&arguments.system)?;
+    let entry = arguments.described.system(catalogue, arguments.system.as_deref())?;
+    let mut changes = Changes::of(entry);
+    changes.apply(&arguments.set)?;
+    let setup = match entry.has_example && arguments.set.is_empty() {
+        true => entry.example.clone(),
+        false => {
+            let (setup, notes) = changes.finish()?;
+            notes.into_iter().try_for_each(|note| console.note(note))?;
+            setup
+        }
+    };
     let methods = match arguments.method {
         Some(method) => vec![method],
         None => [Method::Standard, Method::Midpoint]
@@ -50,7 +68,7 @@ pub(crate) fn certify(
         Some(retraction) => vec![retraction],
         None => Retraction::of(entry),
     };
-    let (states, rests) = states_in_motion(entry, &entry.example)?;
+    let (states, rests) = states_in_motion(entry, &setup)?;
     if rests {
         console.note("the example rests; measured at states near it, chosen at random:".to_owned())?;
         for state in &states {
@@ -61,7 +79,7 @@ pub(crate) fn certify(
     let mut reports = Vec::new();
     for &method in &methods {
         for &retraction in &retractions {
-            let report = simulate::certify(entry, &entry.example, method, retraction)?;
+            let report = simulate::certify(entry, &setup, method, retraction)?;
             writeln!(console.words(), "{}\n", in_short(&report))?;
             reports.push(report);
         }

@@ -10,6 +10,7 @@ use coadjoint::system::Role;
 use serde_json::{Value, json};
 
 use super::console::{Console, OutputMode};
+use super::description::DescriptionArguments;
 use super::interrupt;
 use super::motion::{Motion, MotionArguments, SchemeArguments, check_scheme};
 use crate::catalogue::quantities::components;
@@ -31,7 +32,11 @@ const MOST: usize = 3;
 #[derive(Debug, Args)]
 pub(crate) struct EnsembleArguments {
     /// The system; `list` shows all
-    pub(crate) system: String,
+    #[cfg_attr(feature = "description", arg(required_unless_present = "description"))]
+    #[cfg_attr(not(feature = "description"), arg(required = true))]
+    pub(crate) system: Option<String>,
+    #[command(flatten)]
+    pub(crate) described: DescriptionArguments,
     /// How many members
     #[arg(long, value_name = "N", default_value_t = Members::MEMBERS, value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) members: u64,
@@ -81,7 +86,7 @@ pub(crate) fn described(
     console: &mut Console<'_>,
 ) -> Result<(), Error> {
     let EnsembleArguments { scheme, motion, members, spread, seed, quantity, .. } = arguments;
-    let entry = catalogue.system(&arguments.system)?;
+    let entry = arguments.described.system(catalogue, arguments.system.as_deref())?;
     check_scheme(scheme.method, scheme.order, scheme.retraction)?;
     let described = Motion::of(Changes::of(entry), scheme, true, motion, console)?;
     again.map_or(Ok(()), |made| made.check_digits(entry, &described.setup, &described.job))?;

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::description::DescriptionArguments;
 use super::program;
 use crate::catalogue::Catalogue;
 use crate::error::Error;
@@ -15,7 +16,13 @@ use crate::setup::config;
 #[derive(Debug, Args)]
 pub(crate) struct InitArguments {
     /// The system; `list` shows all
-    pub(crate) system: String,
+    ///
+    /// Without one, `--description FILE` writes a description to begin with.
+    #[cfg_attr(feature = "description", arg(required_unless_present = "description"))]
+    #[cfg_attr(not(feature = "description"), arg(required = true))]
+    pub(crate) system: Option<String>,
+    #[command(flatten)]
+    pub(crate) described: DescriptionArguments,
     /// Where to write it [default: `<system>.toml`]
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
@@ -29,7 +36,16 @@ pub(crate) fn init(
     arguments: &InitArguments,
     console: &mut dyn Write,
 ) -> Result<(), Error> {
-    let entry = catalogue.system(&arguments.system)?;
+    #[cfg(feature = "description")]
+    if let (None, Some(file)) = (&arguments.system, arguments.described.file()) {
+        write_new(file, super::description::TEMPLATE.as_bytes(), arguments.force)?;
+        if !is_stdout(file) {
+            let (file, program) = (file.display(), program());
+            writeln!(console, "wrote {file}; `{program} list --description {file}` tells what it is")?;
+        }
+        return Ok(());
+    }
+    let entry = arguments.described.system(catalogue, arguments.system.as_deref())?;
     let path = arguments.out.clone().unwrap_or_else(|| format!("{}.toml", entry.name).into());
     // it is written to be edited: the same one would be a loss too
     write_new(&path, config::example(entry).as_bytes(), arguments.force)?;

@@ -7,6 +7,7 @@ use coadjoint::system::{Kind, Quantity};
 use serde_json::{Value, json};
 
 use super::console::OutputMode;
+use super::description::DescriptionArguments;
 use super::program;
 use crate::catalogue::{Catalogue, Entry, casimir, unit};
 use crate::error::Error;
@@ -20,6 +21,8 @@ pub(crate) struct ListArguments {
     /// All about this system [default: one line about each]
     pub(crate) system: Option<String>,
     #[command(flatten)]
+    pub(crate) described: DescriptionArguments,
+    #[command(flatten)]
     pub(crate) output: OutputMode,
 }
 
@@ -29,8 +32,8 @@ pub(crate) fn list(
     stdout: &mut dyn Write,
 ) -> Result<(), Error> {
     let mut console = arguments.output.on(stdout, false)?;
-    if let Some(name) = &arguments.system {
-        let entry = catalogue.system(name)?;
+    if arguments.system.is_some() || arguments.described.file().is_some() {
+        let entry = arguments.described.system(catalogue, arguments.system.as_deref())?;
         console.object(|| object(entry))?;
         return one(console.words(), entry);
     }
@@ -51,8 +54,9 @@ fn one(words: &mut dyn Write, entry: &Entry) -> Result<(), Error> {
     let title = format!("{}: {}", entry.name, entry.about);
     writeln!(words, "{}", wrapped(title.trim_end_matches(": "), 80).join("\n"))?;
     let example = &entry.example;
-    quantities(words, "parameters", entry.description.parameters, Some(&example.parameters))?;
-    quantities(words, "initial state", entry.description.state, Some(&example.state))?;
+    let shown = |values| entry.has_example.then_some(values);
+    quantities(words, "parameters", entry.description.parameters, shown(&example.parameters[..]))?;
+    quantities(words, "initial state", entry.description.state, shown(&example.state[..]))?;
     quantities(words, "controls", entry.description.controls, None)?;
     if !entry.description.controls.is_empty() {
         writeln!(words, "  held over each step, chosen by the system's own law, or by `--set`")?;
@@ -73,7 +77,11 @@ fn one(words: &mut dyn Write, entry: &Entry) -> Result<(), Error> {
     let methods = methods(entry).join(", ");
     writeln!(words, "methods      {}", wrapped(&methods, 67).join("\n             "))?;
     writeln!(words, "step {} s, duration {} s\n", exact(entry.step), exact(entry.duration))?;
-    writeln!(words, "{} run {} --plot", program(), entry.name)?;
+    let run = match &entry.file {
+        Some(file) => format!("run --description {} --set …", file.display()),
+        None => format!("run {}", entry.name),
+    };
+    writeln!(words, "{} {run} --plot", program())?;
     Ok(())
 }
 
@@ -146,12 +154,15 @@ fn object(entry: &Entry) -> Value {
         };
         Quantity::with_ranges(all).map(quantity).collect::<Vec<_>>()
     };
+    fn shown<'e>(entry: &Entry, values: &'e [f64]) -> Option<&'e [f64]> {
+        entry.has_example.then_some(values)
+    }
     let conserved = |(name, unit): (&str, &str)| json!({ "name": name, "unit": unit });
     json!({
         "name": entry.name,
         "about": entry.about,
-        "parameters": of(entry.description.parameters, Some(&entry.example.parameters)),
-        "state": of(entry.description.state, Some(&entry.example.state)),
+        "parameters": of(entry.description.parameters, shown(entry, &entry.example.parameters)),
+        "state": of(entry.description.state, shown(entry, &entry.example.state)),
         "controls": of(entry.description.controls, None),
         "conserved": self::conserved(entry, entry.casimirs()).into_iter().map(conserved).collect::<Vec<_>>(),
         "retractions": retractions(entry),

@@ -2,6 +2,7 @@
 
 mod certify;
 pub mod console;
+mod description;
 mod ensemble;
 mod init;
 mod interrupt;
@@ -27,6 +28,8 @@ use std::process::ExitCode;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
+
+use run::RunArguments;
 
 use crate::catalogue::{Catalogue, Entry, set_program};
 use crate::error::{Error, FileError, RunError};
@@ -196,7 +199,7 @@ impl App {
 
 impl Command {
     fn run(&self, app: &App, console: &mut dyn Write) -> Result<(), Error> {
-        let catalogue = &app.catalogue;
+        let catalogue = &self.catalogue(&app.catalogue)?;
         match self {
             Command::List(arguments) => list::list(catalogue, arguments, console),
             Command::Run(arguments) => run::run(catalogue, arguments, console),
@@ -213,6 +216,27 @@ impl Command {
             #[cfg(feature = "manual")]
             Command::Man => manual::man(app.parser(), console),
         }
+    }
+
+    /// The systems that it chooses from: those of the program, and one that is described in a file.
+    fn catalogue(&self, catalogue: &Catalogue) -> Result<Catalogue, Error> {
+        let (described, system) = match self {
+            Command::List(arguments) => (&arguments.described, arguments.system.as_deref()),
+            Command::Run(RunArguments { chosen, .. }) | Command::View(run::ViewArguments { chosen, .. }) => {
+                (&chosen.described, chosen.system.as_deref())
+            }
+            Command::Resume(arguments) => (&arguments.described, None),
+            // without a system, that file is to be written
+            Command::Init(arguments) if arguments.system.is_some() => {
+                (&arguments.described, arguments.system.as_deref())
+            }
+            Command::Ensemble(arguments) => (&arguments.described, arguments.system.as_deref()),
+            #[cfg(feature = "show")]
+            Command::Show(arguments) => (&arguments.described, arguments.system.as_deref()),
+            Command::Certify(arguments) => (&arguments.described, arguments.system.as_deref()),
+            _ => return Ok(catalogue.clone()),
+        };
+        described.catalogue(catalogue, system)
     }
 }
 

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::console::Console;
+use super::description::DescriptionArguments;
 use super::program;
 use crate::catalogue::{Catalogue, Entry, Input, Interpolation};
 use crate::error::{Error, FileError, SetupError};
@@ -20,6 +21,8 @@ use crate::units::rounded;
 pub(crate) struct ChosenRun {
     /// The system; `list` shows all
     pub(crate) system: Option<String>,
+    #[command(flatten)]
+    pub(crate) described: DescriptionArguments,
     /// A TOML file that describes the run; options take precedence
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
@@ -148,7 +151,11 @@ impl ChosenRun {
     /// The system, by its argument or the file.
     fn entry<'c>(&self, catalogue: &'c Catalogue, config: &Config) -> Result<&'c Entry, SetupError> {
         let file = self.config.as_deref().unwrap_or(Path::new(""));
-        let Some(name) = self.system.as_ref().or(config.system.as_ref()) else {
+        let name = self.system.as_ref().or(config.system.as_ref());
+        if name.is_none() && self.described.file().is_some() {
+            return self.described.system(catalogue, None);
+        }
+        let Some(name) = name else {
             let example = catalogue.entries().first().map_or("NAME", |entry| &entry.name);
             return Err(SetupError::new(format!(
                 "no system: name one, as in `{0} run {example}`, or give `system = \"…\"` in a file by `--config` \

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::console::{Console, OutputMode};
+use super::description::DescriptionArguments;
 use super::motion::{ChosenRun, Motion, MotionArguments};
 use super::program;
 use super::report::{RunSummary, table};
@@ -123,6 +124,8 @@ fn pause(text: &str) -> Result<f64, String> {
 pub(crate) struct ResumeArguments {
     /// Its checkpoint
     pub(crate) checkpoint: PathBuf,
+    #[command(flatten)]
+    pub(crate) described: DescriptionArguments,
     #[command(flatten)]
     pub(crate) output: OutputMode,
 }
@@ -257,7 +260,9 @@ fn again(
     }
     let MotionArguments { out, force, .. } = &arguments.chosen.motion;
     let extension = file.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    match super::parsed(origin.words()).map_err(|error| SetupError::new(error.to_string()))? {
+    let command = super::parsed(origin.words()).map_err(|error| SetupError::new(error.to_string()))?;
+    let catalogue = &command.catalogue(catalogue)?;
+    match command {
         Command::Run(mut made) => {
             (made.chosen.motion.out, made.chosen.motion.force) = (out.clone(), *force);
             (made.checkpoint, made.checkpoint_every) =

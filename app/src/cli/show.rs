@@ -10,6 +10,7 @@ use proc_macro2::{Group, Literal, TokenStream, TokenTree};
 use quote::ToTokens;
 use syn::{Item, ItemStruct, Meta};
 
+use super::description::DescriptionArguments;
 use crate::catalogue::{Catalogue, Entry};
 use crate::error::Error;
 use crate::setup::Retraction;
@@ -18,7 +19,11 @@ use crate::setup::Retraction;
 #[derive(Debug, Args)]
 pub(crate) struct ShowArguments {
     /// The system; `list` shows all
-    pub(crate) system: String,
+    #[cfg_attr(feature = "description", arg(required_unless_present = "description"))]
+    #[cfg_attr(not(feature = "description"), arg(required = true))]
+    pub(crate) system: Option<String>,
+    #[command(flatten)]
+    pub(crate) described: DescriptionArguments,
     /// Only the step built on this map; `exp` and `cay` for short
     #[arg(long, value_enum)]
     pub(crate) retraction: Option<Retraction>,
@@ -32,7 +37,7 @@ pub(crate) fn show(
     arguments: &ShowArguments,
     console: &mut dyn Write,
 ) -> Result<(), Error> {
-    let entry = catalogue.system(&arguments.system)?;
+    let entry = arguments.described.system(catalogue, arguments.system.as_deref())?;
     let code = generated(entry, arguments.retraction, arguments.derivatives)
         .map_err(|error| Error::Generator { system: entry.name.clone(), reason: error.to_string() })?;
     write!(console, "{code}")?;

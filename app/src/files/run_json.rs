@@ -28,6 +28,9 @@ pub struct Provenance {
     pub coadjoint: String,
     /// The system's name.
     pub system: String,
+    /// The file that describes it, where it is not compiled.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub description: Option<PathBuf>,
     /// A checksum of the first steps' bits: of what the system computes, whatever it is called.
     pub digest: String,
     /// Parameters by their names: a number, or a list of the components.
@@ -117,6 +120,7 @@ impl Provenance {
             version: program()[1].to_owned(),
             coadjoint: COADJOINT.to_owned(),
             system: entry.name.clone(),
+            description: entry.file.clone(),
             digest: format!("{:08x}", digest(entry, setup, job)),
             parameters: by_name(description.parameters, &setup.parameters),
             state: by_name(description.state, &setup.state),
@@ -159,6 +163,7 @@ impl Provenance {
             let quote = if value.chars().all(is_plain) { "" } else { "'" };
             command += &format!(" --{name} {quote}{value}{quote}");
         };
+        self.description.iter().for_each(|file| option("description", &file.display()));
         if let Some(retraction) = self.retraction {
             option("retraction", &retraction.name());
             option("order", &self.order);

@@ -20,6 +20,8 @@ use crate::units::listed;
 pub(crate) struct Changes<'e> {
     pub(crate) entry: &'e Entry,
     setup: Setup,
+    /// The parameters that were given.
+    given_parameters: Vec<bool>,
     /// The numbers of the state that were given.
     given: Vec<bool>,
     /// Velocities that were given, in the places of their momenta.
@@ -31,7 +33,8 @@ impl<'e> Changes<'e> {
     pub(crate) fn of(entry: &'e Entry) -> Self {
         let setup = entry.example.clone();
         let (given, velocities) = (vec![false; setup.state.len()], vec![None; setup.state.len()]);
-        Self { entry, setup, given, velocities }
+        let given_parameters = vec![false; setup.parameters.len()];
+        Self { entry, setup, given_parameters, given, velocities }
     }
 
     /// Makes assignments one after the other.
@@ -106,7 +109,10 @@ impl<'e> Changes<'e> {
             }));
         };
         match target.part {
-            Part::Parameters => self.setup.parameters[slots].copy_from_slice(&numbers),
+            Part::Parameters => {
+                self.given_parameters[slots.clone()].fill(true);
+                self.setup.parameters[slots].copy_from_slice(&numbers);
+            }
             Part::State => {
                 self.given[slots.clone()].fill(true);
                 self.setup.state[slots].copy_from_slice(&numbers);
@@ -141,6 +147,29 @@ impl<'e> Changes<'e> {
         Ok(())
     }
 
+    /// Says what has to be given where there is no example, and was not.
+    fn missing(&self) -> Option<SetupError> {
+        if self.entry.has_example {
+            return None;
+        }
+        let description = &self.entry.description;
+        let parameters =
+            Quantity::with_ranges(description.parameters).zip(std::iter::repeat(&self.given_parameters));
+        let state = Quantity::with_ranges(description.state).zip(std::iter::repeat(&self.given));
+        let advected = state.filter(|((quantity, _), _)| quantity.role == Role::Advected);
+        let missing = parameters
+            .chain(advected)
+            .filter(|((_, slots), given)| given[slots.clone()].contains(&false))
+            .map(|((quantity, _), _)| {
+                let numbers = vec!["…"; quantity.components.len()].join(",");
+                format!("`--set {}={numbers}`", quantity.name)
+            });
+        let missing: Vec<String> = missing.collect();
+        let name = &self.entry.name;
+        (!missing.is_empty())
+            .then(|| SetupError::new(format!("`{name}` has no example: give {}", missing.join(", "))))
+    }
+
     /// Drives controls by a table.
     pub(crate) fn drive(&mut self, input: Input) {
         self.setup.input = Some(Arc::new(input));
@@ -159,13 +188,16 @@ impl<'e> Changes<'e> {
     /// If a rotation is zero, a control is held that a table drives, no stepper can be built with the parameters, or the energy of the
     /// state is no number.
     pub(crate) fn finish(self) -> Result<(Setup, Vec<String>), RunError> {
-        let Self { entry, mut setup, given, velocities } = self;
+        self.missing().map_or(Ok(()), Err)?;
+        let Self { entry, mut setup, given, velocities, .. } = self;
         let mut notes = normalize(entry, &mut setup)?;
         notes.extend(check(entry, &setup)?);
         notes.extend(undriven(entry, &setup)?);
         notes.extend(turn_along(entry, &mut setup, &given));
         move_at(entry, &mut setup, &given, &velocities)?;
-        notes.extend(other_casimirs(entry, &setup));
+        if entry.has_example {
+            notes.extend(other_casimirs(entry, &setup));
+        }
         let law = entry.law(&setup);
         let energy = entry.energy(&*entry.system(&setup.parameters), law.as_ref(), (&setup.state, 0.0));
         if !energy.is_finite() {

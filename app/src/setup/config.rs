@@ -142,11 +142,17 @@ pub(crate) fn example(entry: &Entry) -> String {
 fn write_example(text: &mut String, entry: &Entry) -> std::fmt::Result {
     let setup = entry.example.clone();
     let Entry { name, about, step, duration, .. } = entry;
+    let rest = match &entry.file {
+        Some(file) => {
+            format!("Add `--description {}` to that. The numbers below stand for yours.", file.display())
+        }
+        None => "What is left out has the value of the system's example.".to_owned(),
+    };
     writeln!(
         text,
         "# {name}: {about}.
 # Run it with `coadjoint run --config <this file>`; options given there take precedence.
-# What is left out has the value of the system's example.
+# {rest}
 
 system = \"{name}\"
 

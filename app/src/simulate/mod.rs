@@ -140,7 +140,7 @@ pub(crate) fn stepper(
         }
         Method::RightLift => {
             check_order(method, order)?;
-            let lifted = entry.right_lift.ok_or_else(|| {
+            let lifted = entry.right_lift.clone().ok_or_else(|| {
                 SetupError::new(format!(
                     "`{}` has no steps with the method right-lift, which carries the momentum in space: something acts on it",
                     entry.name

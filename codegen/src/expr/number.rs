@@ -95,7 +95,7 @@ impl Number {
     }
 
     /// The double that emitted code computes with.
-    pub(crate) fn as_emitted(self) -> f64 {
+    pub fn as_emitted(self) -> f64 {
         if self == Self::FOUR_PI_SQUARED {
             return std::f64::consts::TAU * std::f64::consts::TAU;
         }

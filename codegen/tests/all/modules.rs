@@ -18,6 +18,7 @@ const USES: &[(&str, &[&str])] = &[
     ("parse", &["diagnostics", "group", "limits", "quantity", "scheme"]),
     ("check", &["diagnostics", "group", "identifiers", "limits", "parse", "quantity"]),
     ("lie_group", &["check", "diagnostics", "limits", "parse"]),
+    ("source", &["diagnostics", "lie_group", "parse"]),
     ("language", &["diagnostics", "expr", "group", "limits", "parse", "quantity"]),
     ("model", &["check", "diagnostics", "expr", "group", "identifiers", "language", "parse", "quantity"]),
     ("method", &["expr", "group", "model", "quantity", "scheme"]),

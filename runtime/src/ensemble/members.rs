@@ -122,6 +122,26 @@ impl Members {
         }
     }
 
+    /// These members, numbers of the kind `T` side by side.
+    #[cfg(feature = "dynamic")]
+    pub(crate) fn of<T: BlockBuilder, E>(
+        members: &[Member],
+        step: f64,
+        mut make: impl FnMut(&[T], T) -> Result<Box<dyn Method<T>>, E>,
+    ) -> Result<Self, E> {
+        let mut error = None;
+        let mut method =
+            |parameters: &[T], step| make(parameters, step).map_err(|reason| error = Some(reason)).ok();
+        let blocks = T::blocks(members, step, &mut method);
+        match error {
+            Some(error) => Err(error),
+            None => {
+                let clock = Clock { start: 0.0, step, taken: 0 };
+                Ok(Self { blocks, width: T::LANES, failed: Vec::new(), clock })
+            }
+        }
+    }
+
     /// All take so many steps, with the controls that they have, or those of a law; returns the steps of all together.
     pub(crate) fn advance_n(&mut self, steps: u64, law: Option<&Law<'_>>) -> u64 {
         let clock = self.clock;
@@ -185,13 +205,13 @@ pub(crate) enum Choose<'a> {
 }
 
 /// What came of some steps.
-struct MemberSteps {
+pub(crate) struct MemberSteps {
     failed: Vec<Failed>,
     member_steps: u64,
 }
 
 /// A few members side by side; how many, and on what kind of processor, is hidden behind it.
-trait Block: Send + Sync {
+pub(crate) trait Block: Send + Sync {
     fn advance_n(&mut self, clock: Clock, steps: u64, law: Option<&Law<'_>>) -> MemberSteps;
     fn is_alive(&self, lane: usize) -> bool;
     /// Adds the state in a lane.
@@ -200,10 +220,10 @@ trait Block: Send + Sync {
 }
 
 /// Makes what takes the steps of numbers side by side; none if that was not generated.
-type Make<'a, T> = dyn FnMut(&[T], T) -> Option<Box<dyn Method<T>>> + 'a;
+pub(crate) type Make<'a, T> = dyn FnMut(&[T], T) -> Option<Box<dyn Method<T>>> + 'a;
 
 /// Numbers that members can be made of.
-trait BlockBuilder: Batch {
+pub(crate) trait BlockBuilder: Batch {
     /// Members in blocks of as many as there are lanes.
     fn blocks(members: &[Member], step: f64, method: &mut Make<'_, Self>) -> Vec<Box<dyn Block>>;
 }
@@ -219,6 +239,10 @@ macro_rules! sides {
         })*
     };
 }
+#[cfg(all(feature = "dynamic", target_arch = "x86_64"))]
+sides!(Lanes<f64, 8, Avx2>);
+#[cfg(all(feature = "dynamic", not(target_arch = "x86_64")))]
+sides!(f64, Lanes<f64, 8, Portable>);
 #[cfg(target_arch = "x86_64")]
 sides!(f64, f32, Lanes<f64, 2, Portable>, Lanes<f64, 4, Avx2>, Lanes<f32, 8, Avx2>, Lanes<f64, 8, Avx512>, Lanes<f32, 16, Avx512>);
 #[cfg(not(target_arch = "x86_64"))]

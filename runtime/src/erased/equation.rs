@@ -7,16 +7,19 @@ use super::system::At;
 use crate::bytecode::{self, Function, Given};
 use crate::double::Double;
 use crate::flat::array;
-use crate::kernel::{self, AtState, Equation as _, Evaluation, Kernel, Program};
+use crate::kernel::{self, AtState, Equation as _, Evaluation, Kernel};
 use crate::scalar::{Components, Scalar};
 use crate::solve;
+
+/// The functions of a step that lead from one state to the next, as bytes.
+pub type Program<'a> = [&'a [u8]; 4];
 
 /// A step's equation at one state, on slices, for those who look at it closely.
 pub trait Equation {
     /// A first approximation of the unknown; empty if the step is explicit.
     fn start(&self) -> Vec<f64>;
     /// The lengths of the blocks of unknowns, each of one unit.
-    fn blocks(&self) -> &'static [usize];
+    fn blocks(&self) -> &[usize];
     /// The residual at a value of the unknown, or the one given in its place, and the Newton correction for it.
     fn correction(&self, unknown: &[f64], residual: Option<&[f64]>) -> [Vec<f64>; 2];
     /// The solution. None if it is not found.
@@ -24,21 +27,21 @@ pub trait Equation {
     /// Whether a value of the unknown is inside the retraction's domain.
     fn is_inside(&self, unknown: &[f64]) -> bool;
     /// The step as data, in which it can be taken in twice the digits, and how many places its values have.
-    fn program(&self) -> (Program, usize);
+    fn program(&self) -> (Program<'_>, usize);
 }
 
 /// A number of twice as many digits.
 pub(super) type Wide = Double<f64>;
 
 /// A step's program with all that it has computed so far, in such numbers.
-pub(super) struct Machine<N> {
-    program: Program,
+pub(super) struct Machine<'a, N> {
+    program: Program<'a>,
     places: Vec<N>,
 }
 
-impl<N: Scalar> Machine<N> {
+impl<'a, N: Scalar> Machine<'a, N> {
     /// For these parameters and a step of this length.
-    pub(super) fn new((program, places): (Program, usize), parameters: &[N], step: N) -> Self {
+    pub(super) fn new((program, places): (Program<'a>, usize), parameters: &[N], step: N) -> Self {
         let mut machine = Self { program, places: [N::of(0.0)].repeat(places) };
         machine.call(Function::New, |given, i| match given {
             Given::Parameters => parameters.get(i).copied(),
@@ -120,11 +123,11 @@ impl<K: Kernel<f64>> Equation for ([K; 0], KernelEquation<K>) {
         kernel.start(state, begun).as_ref().to_vec()
     }
 
-    fn blocks(&self) -> &'static [usize] {
+    fn blocks(&self) -> &[usize] {
         K::BLOCKS
     }
 
-    fn program(&self) -> (Program, usize) {
+    fn program(&self) -> (Program<'_>, usize) {
         (K::PROGRAM, K::Places::<f64>::LENGTH)
     }
 

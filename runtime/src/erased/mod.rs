@@ -30,6 +30,9 @@
 
 mod adaptive;
 mod composition;
+#[cfg(feature = "dynamic")]
+#[doc(hidden)]
+pub mod dynamic;
 mod ensemble;
 mod equation;
 mod field;
@@ -49,7 +52,7 @@ pub use adaptive::Adaptive;
 pub use adaptive::TaylorSteps;
 pub use ensemble::Ensemble;
 #[doc(hidden)]
-pub use equation::Equation;
+pub use equation::{Equation, Program};
 #[doc(hidden)]
 pub use jacobian::Linearization;
 pub use jacobian::{Jacobian, JacobianError};

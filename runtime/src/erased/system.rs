@@ -149,7 +149,8 @@ impl<S: system::Geometry<Scalar = f64>> Geometry for S {
     }
 }
 
-/// A system with all that was generated for it, its type erased; any system over `f64` that the macro made is one, and nothing else can be.
+/// A system with all that was generated for it, its type erased; any system over `f64` that the macro made is one, and one that was made
+/// [of a text](crate::guide::at_run_time), and nothing else can be.
 ///
 /// A `&dyn System` has, without an import, these calls on slices too, as [`system::System`] and [`system::Geometry`] have them on states:
 /// `description()`, `parameters()`, `validate()`, `deviation(state)`, `with_velocity(state, time, control)`, `energy(state, time, control)`, `casimirs(state)`, `displace(state, map, by)`,

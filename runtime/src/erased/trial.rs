@@ -37,8 +37,8 @@ const LEAST: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 pub struct Trial<'a> {
     equation: &'a dyn Equation,
     state: Vec<Wide>,
-    wide: Machine<Wide>,
-    bounded: Machine<Bounded<f64>>,
+    wide: Machine<'a, Wide>,
+    bounded: Machine<'a, Bounded<f64>>,
 }
 
 /// A solution of a step's equation in twice the digits.

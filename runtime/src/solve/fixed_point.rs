@@ -20,6 +20,7 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
     first: Option<K::Unknown>,
 ) -> SolutionOf<T, K> {
     let AtState { kernel, state, step } = *equation;
+    let (blocks, is_newton) = (kernel.blocks(), kernel.is_newton());
     let none = T::Mask::splat(false);
     let (mut point, mut unknown) = (*guess, *guess);
     let (mut solved, mut again) = (none, memory.tries());
@@ -28,8 +29,8 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
     let (mut last, mut round) = (T::of(FAR), 0);
     if let Some(first) = first {
         (unknown, round, iterations) = (first, 1, T::all(1));
-        last = change::<T, _>(K::BLOCKS, guess, &first);
-        solved = is_within::<T, _>(K::BLOCKS, guess, &first, memory.tolerance);
+        last = change::<T, _>(blocks, guess, &first);
+        solved = is_within::<T, _>(blocks, guess, &first, memory.tolerance);
         residual = memory.tolerance;
         again = again & !solved;
     }
@@ -42,14 +43,14 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
         unknown = go_on::<T, _>(again, &next, &unknown);
         round += 1;
         count::<T>(&mut iterations, again);
-        let now = change::<T, _>(K::BLOCKS, &point, &unknown);
+        let now = change::<T, _>(blocks, &point, &unknown);
         let [least, _, most] = TOLERANCE.map(|units| T::of(units * T::EPSILON));
         let is_last = if round == 1 {
-            again & is_within::<T, _>(K::BLOCKS, &point, &unknown, memory.tolerance)
+            again & is_within::<T, _>(blocks, &point, &unknown, memory.tolerance)
         } else {
             let is_sharp = again & T::of(SHARP * T::EPSILON).lt(last);
             sharp = [T::select(is_sharp, last, sharp[0]), T::select(is_sharp, now, sharp[1])];
-            let most = if const { K::IS_NEWTON } { tolerance(rate(sharp, true), true) } else { most };
+            let most = if is_newton { tolerance(rate(sharp, true), true) } else { most };
             again & (now.le(least) | (now.le(most) & sharp[1].le(T::of(QUICK) * sharp[0])))
         };
         solved = solved | is_last;
@@ -61,6 +62,6 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
         }
         last = now;
     };
-    let rate = rate(sharp, K::IS_NEWTON);
+    let rate = rate(sharp, is_newton);
     Solution { point, unknown, evaluation, solved, iterations, residual: rate * residual, rate }
 }

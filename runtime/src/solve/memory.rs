@@ -92,12 +92,12 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
 
     /// Remembers a step that needed more than one iteration: its solution, and the rate of contraction as it was seen.
     #[inline(always)]
-    pub(super) fn learn<K: Kernel<T, Unknown = U>>(&mut self, solution: &U, rate: T) {
+    pub(super) fn learn<K: Kernel<T, Unknown = U>>(&mut self, kernel: &K, solution: &U, rate: T) {
         if const { U::LENGTH == 0 } {
             return;
         }
         if !rate.is_same(self.rate).all() {
-            (self.rate, self.tolerance) = (rate, tolerance(rate, K::IS_NEWTON));
+            (self.rate, self.tolerance) = (rate, tolerance(rate, kernel.is_newton()));
         }
         if self.due == 0 {
             self.due = self.interval;
@@ -105,7 +105,7 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
         } else {
             self.due -= 1;
         }
-        self.predictor.learn(K::BLOCKS, solution);
+        self.predictor.learn(kernel.blocks(), solution);
         self.settle();
     }
 
@@ -114,7 +114,7 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
     }
 
     /// Shows all that is remembered, for [`Method::memory`](crate::method::Method::memory).
-    pub(super) fn memory<K: Kernel<T, Unknown = U>>(&mut self, visit: &mut dyn FnMut(&mut [T])) {
+    pub(super) fn memory<K: Kernel<T, Unknown = U>>(&mut self, kernel: &K, visit: &mut dyn FnMut(&mut [T])) {
         self.predictor.memory(visit);
         let mut numbers = [T::of(f64::from(self.due)), T::of(f64::from(self.interval))];
         visit(&mut numbers);
@@ -122,7 +122,7 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
         let [due, interval] = [numbers[0].lane(0).to_f64() as u16, numbers[1].lane(0).to_f64() as u16];
         (self.due, self.interval) = (due, interval.min(INTERVALS[1]));
         visit(core::slice::from_mut(&mut self.rate));
-        self.tolerance = tolerance(self.rate, K::IS_NEWTON);
+        self.tolerance = tolerance(self.rate, kernel.is_newton());
         self.settle();
     }
 }

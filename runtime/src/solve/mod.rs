@@ -72,7 +72,7 @@ pub(crate) fn cold<T: Batch, K: Kernel<T>>(equation: &AtState<'_, T, K>) -> Resu
     if const { <K::Unknown as Components<T>>::LENGTH == 0 } {
         return Ok(*start);
     }
-    let work = rescue::Rescue { equation, blocks: K::BLOCKS, start, lane: 0 };
+    let work = rescue::Rescue { equation, blocks: equation.kernel.blocks(), start, lane: 0 };
     work.done().map(|rescued| rescued.unknown)
 }
 

@@ -24,6 +24,7 @@ impl<T: Batch, K: Kernel<T>> Work for Newton<'_, T, K> {
     #[inline(always)]
     fn done(self) -> SolutionOf<T, K> {
         let Self { equation, before, from, elsewhere, rate } = self;
+        let (blocks, is_true) = (equation.kernel.blocks(), equation.kernel.has_true_jacobian());
         let (mut point, mut solved) = (*from, T::Mask::splat(false));
         let (mut iterations, mut residual) = (T::all(0), T::of(0.0));
         if let Some(before) = before {
@@ -39,16 +40,15 @@ impl<T: Batch, K: Kernel<T>> Work for Newton<'_, T, K> {
             } else {
                 equation.evaluate(&point)
             };
-            let now = relative::<T, _>(K::BLOCKS, &evaluation.residual, &evaluation.right);
-            let mut done = open & is_rounding(now, moved, K::HAS_TRUE_JACOBIAN);
+            let now = relative::<T, _>(blocks, &evaluation.residual, &evaluation.right);
+            let mut done = open & is_rounding(now, moved, is_true);
             residual = T::select(open, now, residual);
             let stalls = open & !done & !now.le(T::of(PROGRESS) * last);
             if stalls.any() {
                 let rounding = roundoff(equation, &point, stalls);
-                done = done | (stalls & is_below::<T, _>(K::BLOCKS, &evaluation.residual, &rounding));
+                done = done | (stalls & is_below::<T, _>(blocks, &evaluation.residual, &rounding));
                 // relative to the terms
-                let of_terms =
-                    T::of(T::EPSILON) * relative::<T, _>(K::BLOCKS, &evaluation.residual, &rounding);
+                let of_terms = T::of(T::EPSILON) * relative::<T, _>(blocks, &evaluation.residual, &rounding);
                 residual = T::select(stalls, of_terms, residual);
             }
             solved = solved | done;
@@ -62,7 +62,7 @@ impl<T: Batch, K: Kernel<T>> Work for Newton<'_, T, K> {
             } else {
                 equation.correction(&point, &evaluation)
             };
-            (last, moved) = (now, relative::<T, _>(K::BLOCKS, &correction, &point));
+            (last, moved) = (now, relative::<T, _>(blocks, &correction, &point));
             point = go_on::<T, _>(open, &less(&point, &correction), &point);
             round += 1;
             count::<T>(&mut iterations, open);
@@ -112,13 +112,13 @@ fn is_found_from_start<T: Batch, K: Kernel<T>>(
     equation: &AtState<'_, T, K>,
     solution: &K::Unknown,
 ) -> T::Mask {
-    let start = equation.start();
-    let is_near = change::<T, _>(K::BLOCKS, &start, solution).le(T::of(NEAR));
+    let (start, blocks) = (equation.start(), equation.kernel.blocks());
+    let is_near = change::<T, _>(blocks, &start, solution).le(T::of(NEAR));
     if is_near.all() {
         return is_near;
     }
     let correction = equation.corrected(&start, None).iterate;
-    let away = change::<T, _>(K::BLOCKS, &start, solution);
-    let left = change::<T, _>(K::BLOCKS, &less(&start, &correction), solution);
+    let away = change::<T, _>(blocks, &start, solution);
+    let left = change::<T, _>(blocks, &less(&start, &correction), solution);
     is_near | left.le(T::of(TOWARDS) * away)
 }

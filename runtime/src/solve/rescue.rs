@@ -19,7 +19,7 @@ pub(super) struct Rescued<T, U> {
 /// Solves the equation in one lane from its first approximation.
 pub(super) struct Rescue<'a, T, U> {
     pub(super) equation: &'a dyn Equation<T, U>,
-    pub(super) blocks: &'static [usize],
+    pub(super) blocks: &'a [usize],
     pub(super) start: &'a U,
     pub(super) lane: usize,
 }

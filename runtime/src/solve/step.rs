@@ -37,7 +37,11 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
 
     #[inline(always)]
     fn ready_for(&self) -> u64 {
-        if const { Self::HAS_FAST_PATH } { self.memory.ready_for() } else { 0 }
+        if const { Self::HAS_FAST_PATH } && (Self::IS_EXPLICIT || self.kernel.has_fixed_point_update()) {
+            self.memory.ready_for()
+        } else {
+            0
+        }
     }
 
     #[inline(always)]
@@ -125,7 +129,11 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
             }
         }
         // in line, so that numbers stay in registers: a step with four iterations takes a third less
-        if known && const { K::HAS_FIXED_POINT_UPDATE && Self::IS_SMALL } && self.memory.is_regular() {
+        if known
+            && const { K::HAS_FIXED_POINT_UPDATE && Self::IS_SMALL }
+            && self.kernel.has_fixed_point_update()
+            && self.memory.is_regular()
+        {
             let Self { kernel, memory } = self;
             let step = &kernel.begin(state, time, control);
             let equation = &AtState { kernel: &*kernel, state, step };
@@ -140,11 +148,17 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
-        self.memory.memory::<K>(visit);
+        self.memory.memory(&self.kernel, visit);
     }
 }
 
 impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
+    /// The steps of a kernel that is there.
+    #[cfg(feature = "dynamic")]
+    pub(crate) fn of(kernel: K) -> Self {
+        Self { kernel, memory: Memory::default() }
+    }
+
     /// Whether there is nothing to solve for.
     const IS_EXPLICIT: bool = <K::Unknown as Components<T>>::LENGTH == 0;
     /// Whether a step is short, so that a call for it counts; to compile a long one once more takes long.
@@ -188,7 +202,7 @@ fn fast_path<P: Processor, T: Batch, K: Kernel<T>>(
     let (mut unknown, mut then) = (point, point);
     if const { !OneStep::<T, K>::IS_EXPLICIT } {
         unknown = apart::<T, _>(&kernel.fixed_point_update(state, &step, &point, &evaluation));
-        if !is_within::<T, _>(K::BLOCKS, &point, &unknown, memory.tolerance).all() {
+        if !is_within::<T, _>(kernel.blocks(), &point, &unknown, memory.tolerance).all() {
             return (*state, Err(Some(unknown)));
         }
         // before what follows from this solution, for the next step waits for it
@@ -232,6 +246,7 @@ impl<T: Batch, K: Kernel<T>> Work for SlowPath<'_, T, K> {
         let equation = &AtState { kernel: &*kernel, state, step };
         let mut before = None;
         if const { K::HAS_FIXED_POINT_UPDATE && <K::Unknown as Components<T>>::LENGTH > 0 }
+            && kernel.has_fixed_point_update()
             && memory.tries().any()
         {
             let solution = fixed_point::solve(equation, memory, &guess(equation, memory), first);
@@ -250,13 +265,13 @@ impl<T: Batch, K: Kernel<T>> Work for SlowPath<'_, T, K> {
             let Solution { iterations, residual, .. } = solution;
             let advanced = Advanced { state: next, iterations, residual };
             if good.all() {
-                memory.learn::<K>(&solution.unknown, solution.rate);
+                memory.learn(kernel, &solution.unknown, solution.rate);
                 return Ok(advanced);
             }
             let given = finite(state) & finite(control) & time.is_finite();
             if is_rescued {
                 if good.any() {
-                    memory.learn::<K>(&solution.unknown, solution.rate);
+                    memory.learn(kernel, &solution.unknown, solution.rate);
                 } else {
                     memory.forget();
                 }
@@ -279,7 +294,7 @@ impl<T: Batch, K: Kernel<T>> Work for SlowPath<'_, T, K> {
 #[inline(always)]
 fn guess<T: Batch, K: Kernel<T>>(equation: &AtState<'_, T, K>, memory: &Memory<T, K::Unknown>) -> K::Unknown {
     match memory.predictor.remembers() {
-        true if memory.is_due() && K::HAS_FIXED_POINT_UPDATE => memory.predictor.latest(),
+        true if memory.is_due() && equation.kernel.has_fixed_point_update() => memory.predictor.latest(),
         true => memory.predictor.next(),
         false => equation.start(),
     }
@@ -318,7 +333,7 @@ fn rescue<T: Batch, K: Kernel<T>>(
     let (start, mut errors, mut failed, mut lane) = (&equation.start(), T::all(None), T::of(0.0), 0);
     while lane < T::LANES {
         if wanted.lane(lane) {
-            match T::dispatch(Rescue { equation, blocks: K::BLOCKS, start, lane }) {
+            match T::dispatch(Rescue { equation, blocks: equation.kernel.blocks(), start, lane }) {
                 Ok(Rescued { unknown, residual, evaluations }) => {
                     let mut k = 0;
                     while k < K::Unknown::LENGTH {
@@ -358,7 +373,7 @@ fn advanced<T: Batch, K: Kernel<T>>(
     if !accepted.good.all() {
         return None;
     }
-    memory.learn::<K>(&solution.unknown, solution.rate);
+    memory.learn(equation.kernel, &solution.unknown, solution.rate);
     let Solution { iterations, residual, .. } = *solution;
     Some(Advanced { state: accepted.next, iterations, residual })
 }

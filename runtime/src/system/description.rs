@@ -29,6 +29,19 @@ pub struct Description {
 }
 
 impl Description {
+    /// Describes a system that is made at run time: its name, its parameters, state and controls, its Casimirs, on which side of the configuration
+    /// its velocities are, and whether it is autonomous, invariant, forced and piecewise.
+    #[cfg(feature = "dynamic")]
+    pub(crate) fn dynamic(
+        name: &'static str,
+        [parameters, state, controls]: [&'static [Quantity]; 3],
+        casimirs: &'static [&'static str],
+        side: Side,
+        [autonomous, invariant, forced, piecewise]: [bool; 4],
+    ) -> Self {
+        Self { name, parameters, state, controls, casimirs, autonomous, invariant, forced, piecewise, side }
+    }
+
     /// Describes the system `S`.
     pub const fn of<S: System>() -> Self {
         Self {

@@ -1,5 +1,6 @@
 //! The program as people meet it: the real binary, its output, its files, its exit codes.
 
+mod descriptions;
 mod ensembles;
 mod inputs;
 mod mistakes;

@@ -64,6 +64,7 @@ mod certificates;
 mod classical;
 mod cli;
 mod conservation;
+mod dynamic;
 mod groups;
 mod hostile;
 mod inputs;

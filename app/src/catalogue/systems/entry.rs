@@ -1,11 +1,12 @@
 //! Systems as the program sees them, each behind the same [`Entry`].
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use coadjoint::erased::{self, Description, Flat, RetractionKind};
 use coadjoint::prelude::*;
 use coadjoint::system::{Isolated, Quantity};
-use coadjoint::{Discretized, RightLift, System};
+use coadjoint::{Discretized, Kind, RightLift, Role, System};
 use serde::{Deserialize, Serialize};
 
 use super::super::{Example, Observables, scene::Scene};
@@ -15,7 +16,7 @@ use super::plotted::PlottedQuantities;
 use super::quantities::components;
 
 /// One system of a program, its type erased: parameters and states are flat lists of numbers.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 #[must_use]
 pub struct Entry {
     /// Its name on the command line.
@@ -35,19 +36,23 @@ pub struct Entry {
     pub description: Description,
     /// The example's parameters and initial state.
     pub example: Setup,
+    /// Whether somebody chose these. If not, a run has to say what its parameters and its advected quantities are.
+    pub has_example: bool,
+    /// The file that it was read from, where it is not compiled.
+    pub file: Option<PathBuf>,
     /// The unit of its energy.
     pub energy_unit: &'static str,
     casimir_units: &'static [&'static str],
-    build: fn(&[f64]) -> Arc<dyn erased::EnsembleSystem>,
+    build: Arc<BuildFn>,
     /// Its own control law with these parameters. None if it has no controls.
-    pub(crate) control: Option<fn(&[f64]) -> ControlLaw>,
+    pub(crate) control: Option<Arc<ControlFn>>,
     /// Builds the method that carries the momentum in space, with these parameters and this step. None if something
     /// acts on it.
-    pub(crate) right_lift: Option<MethodFn>,
+    pub(crate) right_lift: Option<Arc<MethodFn>>,
     /// The moment of inertia, if it is a body of mass, by its parameters.
-    pub(crate) body_inertia: fn(&[f64]) -> Option<Matrix3<f64>>,
+    pub(crate) body_inertia: Arc<InertiaFn>,
     /// Completes the scene by its state alone with what these parameters tell.
-    pub(crate) scene: fn(&[f64], Scene) -> Scene,
+    pub(crate) scene: Arc<SceneFn>,
     /// The quantities that pictures show.
     pub(crate) plotted: PlottedQuantities,
     /// The controls that are shown with a state: none where they are not known.
@@ -58,7 +63,15 @@ pub struct Entry {
 
 /// Builds a method on a retraction, with these parameters and this step. None on retractions that not every system has
 /// steps with.
-pub(crate) type MethodFn = fn(&[f64], RetractionKind, f64) -> Option<Box<dyn erased::Method<f64>>>;
+pub(crate) type MethodFn =
+    dyn Fn(&[f64], RetractionKind, f64) -> Option<Box<dyn erased::Method<f64>>> + Send + Sync;
+
+/// Builds the system with these parameters; what is missing is as in the example.
+pub type BuildFn = dyn Fn(&[f64]) -> Arc<dyn erased::EnsembleSystem> + Send + Sync;
+
+type ControlFn = dyn Fn(&[f64]) -> ControlLaw + Send + Sync;
+type InertiaFn = dyn Fn(&[f64]) -> Option<Matrix3<f64>> + Send + Sync;
+type SceneFn = dyn Fn(&[f64], Scene) -> Scene + Send + Sync;
 
 /// Writes what is held over the step from a state at a time.
 pub type ControlLaw = Box<dyn Fn(&[f64], f64, &mut [f64]) + Send + Sync>;
@@ -100,15 +113,57 @@ impl Entry {
             controls: description.controls,
             observables: Vec::new(),
             example,
+            has_example: true,
+            file: None,
             energy_unit: S::ENERGY_UNIT,
             casimir_units: S::CASIMIR_UNITS,
-            build,
-            control: if description.controls.is_empty() { None } else { Some(control::<S>) },
+            build: Arc::new(build),
+            control: if description.controls.is_empty() { None } else { Some(Arc::new(control::<S>)) },
             right_lift: None,
-            body_inertia: |parameters| system::<S>(parameters).body_inertia(),
-            scene: |parameters, by_state| system::<S>(parameters).scene(by_state),
+            body_inertia: Arc::new(|parameters| system::<S>(parameters).body_inertia()),
+            scene: Arc::new(|parameters, by_state| system::<S>(parameters).scene(by_state)),
         }
         .with_observables(S::observables(Observables::default()).erased())
+    }
+
+    /// The entry of a system that is known as the program runs alone: what it is, and what builds it. It has no example; a run says what it starts
+    /// from.
+    pub fn made(description: Description, build: Arc<BuildFn>) -> Self {
+        let example = Setup {
+            parameters: description.parameters.iter().flat_map(ones).collect(),
+            state: description.state.iter().flat_map(identity).collect(),
+            controls: vec![None; components(description.controls).count()],
+            input: None,
+        };
+        Self {
+            name: snake_case(description.name),
+            about: "",
+            source: "",
+            step: 0.01,
+            duration: 10.0,
+            certified_step: None,
+            description,
+            plotted: PlottedQuantities::of(
+                &*build(&example.parameters),
+                &example.state,
+                description.controls,
+            ),
+            controls: description.controls,
+            observables: Vec::new(),
+            example,
+            has_example: false,
+            file: None,
+            energy_unit: "",
+            casimir_units: &[],
+            build,
+            control: match description.controls {
+                [] => None,
+                _ => Some(Arc::new(|_| Box::new(|_, _, to| to.fill(0.0)))),
+            },
+            right_lift: None,
+            body_inertia: Arc::new(|_| None),
+            scene: Arc::new(|_, by_state| by_state),
+        }
     }
 
     /// The same system under another name, with another example: what is `about` it, and a step and a duration that
@@ -136,7 +191,7 @@ impl Entry {
             + Discretized<SymplecticEulerA<Exponential>>
             + Discretized<SymplecticEulerA<Cayley>>,
     {
-        Self { right_lift: Some(right_lift::<S>), ..self }
+        Self { right_lift: Some(Arc::new(right_lift::<S>)), ..self }
     }
 
     /// With more quantities that are shown beside its state.
@@ -156,7 +211,7 @@ impl Entry {
     /// Builds the control law: the controls that are held, and for the others its own law; or what an input says, whatever the state. None if it has
     /// no controls.
     pub fn law(&self, setup: &Setup) -> Option<ControlLaw> {
-        let own = self.control?(&setup.parameters);
+        let own = self.control.as_ref()?(&setup.parameters);
         let (held, input) = (setup.controls.clone(), setup.input.clone());
         Some(Box::new(move |state, time, to| {
             if input.is_none() {
@@ -236,6 +291,32 @@ impl Entry {
         let units = self.casimir_units.iter().copied().chain(std::iter::repeat(""));
         self.description.casimirs.iter().copied().zip(units)
     }
+}
+
+impl std::fmt::Debug for Entry {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Entry").field("name", &self.name).field("about", &self.about).finish_non_exhaustive()
+    }
+}
+
+/// Numbers that any parameter may be.
+fn ones(quantity: &Quantity) -> Vec<f64> {
+    let count = quantity.components.len();
+    match quantity.kind {
+        Kind::SymmetricMatrix(rows) => (0..count).map(|k| f64::from(u8::from(k % (rows + 1) == 0))).collect(),
+        _ => vec![1.0; count],
+    }
+}
+
+/// The identity where a quantity is a configuration, zeros where it is not.
+fn identity(quantity: &Quantity) -> Vec<f64> {
+    let is_one = |k: usize| match quantity.kind {
+        _ if quantity.role != Role::Configuration => false,
+        Kind::UnitComplex | Kind::UnitQuaternion | Kind::RigidMotion2 | Kind::RigidMotion3 => k == 0,
+        Kind::Matrix(_, columns) => k % (columns + 1) == 0,
+        _ => false,
+    };
+    (0..quantity.components.len()).map(|k| f64::from(u8::from(is_one(k)))).collect()
 }
 
 /// `heavy_top` for `HeavyTop`, `heavy_top_on_se3` for `HeavyTopOnSE3`.

@@ -10,7 +10,7 @@ pub mod suggest;
 
 use std::sync::{Arc, OnceLock};
 
-pub use entry::{ControlLaw, Entry, Setup};
+pub use entry::{BuildFn, ControlLaw, Entry, Setup};
 pub use input::{Input, Interpolation};
 pub use observable::Observable;
 pub use quantities::{component_name, component_unit, unit};
@@ -38,6 +38,12 @@ impl Catalogue {
     /// Collects systems.
     pub fn new(entries: impl IntoIterator<Item = Entry>) -> Self {
         Self(entries.into_iter().collect())
+    }
+
+    /// The same with one more system in the first place; it takes that of another of its name.
+    pub fn with(&self, entry: Entry) -> Self {
+        let others = self.0.iter().filter(|other| other.name != entry.name).cloned();
+        Self(std::iter::once(entry.clone()).chain(others).collect())
     }
 
     /// Lists all systems.

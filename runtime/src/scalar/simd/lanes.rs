@@ -111,6 +111,13 @@ impl<X, const N: usize, P: Processor> From<[X; N]> for Lanes<X, N, P> {
 }
 
 impl<X: Real, const N: usize, P: Processor> Lanes<X, N, P> {
+    /// The number in each lane.
+    #[cfg(feature = "dynamic")]
+    #[inline(always)]
+    pub(super) fn numbers(self) -> [X; N] {
+        self.0
+    }
+
     /// Whether the processor has instructions for these: known when the code is compiled, which then has only the one way.
     const NATIVE: bool = X::IS_DOUBLE && P::DOUBLES == N;
 

@@ -3,6 +3,8 @@
 //! What it relies on is sealed: [`Batch`](crate::scalar::Batch) numbers, arrays as [`Components`](crate::scalar::Components), and processors
 //! that are named nowhere but where it was looked whether the program runs on one.
 
+#[cfg(feature = "dynamic")]
+pub(crate) mod frame;
 #[cfg_attr(
     not(feature = "std"),
     allow(dead_code, reason = "without std there are kinds of processors, but no lanes")

@@ -1,0 +1,314 @@
+//! From a program to what the runtime makes systems of.
+
+use std::sync::Arc;
+
+use coadjoint::erased::RetractionKind;
+use coadjoint::erased::dynamic::{
+    Definition, Given, Inertia, LANES, Layout, Lengths, Rule, Step, StepFunction, StepFunctions,
+    SystemFunction, SystemFunctions, description,
+};
+use coadjoint::{Kind, Quantity, Role, Side};
+use coadjoint_codegen::emit::bytes;
+use coadjoint_codegen::program::{
+    self, Function, Input, Interface, Module, Program, RecordKind, StepProgram, StepRole, SystemRole,
+    Transform, Value,
+};
+use coadjoint_codegen::quantity;
+use coadjoint_codegen::scheme;
+
+use crate::assembler::{Frame, Places, assembled};
+use crate::intern;
+use crate::interpreter::Code;
+
+/// The definition of a program with these values of its constants.
+pub(crate) fn definition(program: &Program, constants: Vec<f64>) -> Definition {
+    let interface = &program.interface;
+    let inertias = interface.inertias.iter().map(|inertia| Inertia {
+        name: intern::text(&inertia.name),
+        rows: inertia.is_matrix.then_some(inertia.rows),
+    });
+    Definition {
+        description: description(
+            intern::text(&interface.name),
+            [&interface.parameters, &interface.state, &interface.controls].map(|all| quantities(all)),
+            intern::texts(&interface.casimirs),
+            match interface.side {
+                quantity::Side::Left => Side::Left,
+                quantity::Side::Right => Side::Right,
+            },
+            [
+                interface.is_autonomous,
+                interface.is_left_invariant,
+                interface.is_forced,
+                interface.is_piecewise,
+            ],
+        ),
+        constants,
+        inertias: inertias.collect(),
+        dimension: interface.dimension,
+        is_momentum_singular: interface.momentum == Transform::Singular,
+        functions: Box::new(system_functions(program)),
+        steps: program.steps.iter().map(|step| Arc::new(self::step(interface, step))).collect(),
+    }
+}
+
+fn quantities(all: &[program::Quantity]) -> &'static [Quantity] {
+    let of = |one: &program::Quantity| Quantity {
+        name: intern::text(&one.name),
+        role: match one.role {
+            quantity::Role::Parameter => Role::Parameter,
+            quantity::Role::Configuration => Role::Configuration,
+            quantity::Role::Momentum => Role::Momentum,
+            quantity::Role::Advected => Role::Advected,
+            quantity::Role::Control => Role::Control,
+        },
+        kind: match one.kind {
+            quantity::Kind::Scalar => Kind::Scalar,
+            quantity::Kind::Vector(n) => Kind::Vector(n),
+            quantity::Kind::Symmetric(n) => Kind::SymmetricMatrix(n),
+            quantity::Kind::Matrix(rows, columns) => Kind::Matrix(rows, columns),
+            quantity::Kind::UnitComplex => Kind::UnitComplex,
+            quantity::Kind::UnitQuaternion => Kind::UnitQuaternion,
+            quantity::Kind::RigidMotion2 => Kind::RigidMotion2,
+            quantity::Kind::RigidMotion3 => Kind::RigidMotion3,
+        },
+        components: intern::texts(&one.components),
+        tangent: (one.tangent.start, one.tangent.end),
+        unit: one.unit.as_deref().map(intern::text),
+        doc: intern::text(&one.doc),
+    };
+    intern::quantities(all.iter().map(of).collect())
+}
+
+fn retraction(retraction: scheme::Retraction) -> RetractionKind {
+    let is = |kind: &RetractionKind| format!("{kind:?}") == retraction.name();
+    RetractionKind::ALL.into_iter().find(is).unwrap_or(RetractionKind::Exponential)
+}
+
+/// The runtime's rule of this name.
+fn rule(rule: scheme::Rule) -> Option<Rule> {
+    use scheme::Parameter;
+    Some(match (rule.method.rule, rule.parameter) {
+        ("Member", Parameter::Share(member)) => Rule::Member(member.numerator, member.denominator),
+        ("TangentLift", Parameter::Share(member)) => Rule::TangentLift(member.numerator, member.denominator),
+        ("HamiltonJacobi", Parameter::Order(order)) => Rule::HamiltonJacobi(order),
+        _ => return None,
+    })
+}
+
+/// A step's functions on frames.
+struct Interpreted([Code; 8]);
+
+const FUNCTIONS: [(StepFunction, StepRole); 8] = [
+    (StepFunction::New, StepRole::New),
+    (StepFunction::Begin, StepRole::Begin),
+    (StepFunction::Start, StepRole::Start),
+    (StepFunction::Evaluate, StepRole::Evaluate),
+    (StepFunction::Correction, StepRole::Correction),
+    (StepFunction::FixedPointUpdate, StepRole::FixedPointUpdate),
+    (StepFunction::Domain, StepRole::Domain),
+    (StepFunction::Finish, StepRole::Finish),
+];
+
+impl StepFunctions for Interpreted {
+    fn call(&self, function: StepFunction, frame: &mut [f64]) {
+        self.0[function as usize].run::<1>(frame.as_chunks_mut().0);
+    }
+
+    fn call_wide(&self, function: StepFunction, frame: &mut [[f64; LANES]]) {
+        self.0[function as usize].run(frame);
+    }
+}
+
+/// Where a step's functions find what they are given.
+struct InStep<'a> {
+    layout: &'a Layout,
+    module: &'a Module<StepRole>,
+    function: &'a Function<StepRole>,
+}
+
+impl Places for InStep<'_> {
+    fn input(&self, input: Input) -> usize {
+        let layout = self.layout;
+        match input {
+            Input::Parameters => layout.parameters.start,
+            Input::StepSize => layout.step_size,
+            Input::State => layout.state.start,
+            Input::Time => layout.time,
+            Input::Control => layout.control.start,
+            Input::Unknown => layout.unknown.start,
+            Input::Residual => layout.residual.start,
+            Input::Right => layout.right.start,
+            Input::Record(RecordKind::Constants) => layout.constants.start,
+            Input::Record(RecordKind::Step) => layout.step.start,
+            Input::Record(RecordKind::Iterate) => layout.iterate.start,
+            _ => unreachable!("no function of a step is given {input:?}"),
+        }
+    }
+
+    fn record(&self) -> (&[Value], usize) {
+        match self.function.record {
+            Some(kind) => (self.module.values.fields(kind), self.input(Input::Record(kind))),
+            None => (&[], 0),
+        }
+    }
+
+    fn result(&self, array: usize) -> usize {
+        match (self.function.role, array) {
+            (StepRole::Evaluate, 0) => self.layout.residual.start,
+            (StepRole::Evaluate, _) => self.layout.right.start,
+            (StepRole::Domain, _) => self.layout.margin,
+            (StepRole::Finish, _) => self.layout.next.start,
+            _ => self.layout.out.start,
+        }
+    }
+
+    fn is_least(&self) -> bool {
+        self.function.role == StepRole::Domain
+    }
+}
+
+fn step(interface: &Interface, program: &StepProgram) -> Step {
+    let module = &program.module;
+    let unknown = module.function(StepRole::Evaluate).map_or(0, |evaluate| evaluate.length(Input::Unknown));
+    let fields = |kind| module.values.fields(kind).len();
+    let layout = Layout::new(&Lengths {
+        parameters: interface.parameter_length(),
+        state: interface.state_length(),
+        control: interface.control_length(),
+        unknown,
+        constants: fields(RecordKind::Constants),
+        step: fields(RecordKind::Step),
+        iterate: fields(RecordKind::Iterate),
+    });
+    let mut frame = Frame::new(layout.scratch);
+    let code = FUNCTIONS.map(|(_, role)| match module.function(role) {
+        Some(function) => assembled(function, &InStep { layout: &layout, module, function }, &mut frame),
+        None => Code::default(),
+    });
+    let schemes = std::iter::once(&program.scheme).chain(&program.aliases);
+    let mut functions = bytes::functions(module);
+    Step {
+        schemes: schemes
+            .filter_map(|scheme| Some((retraction(scheme.retraction), rule(scheme.rule)?)))
+            .collect(),
+        blocks: program.blocks.clone(),
+        has_fixed_point_update: module.function(StepRole::FixedPointUpdate).is_some(),
+        has_domain: module.function(StepRole::Domain).is_some(),
+        has_true_jacobian: program.has_true_jacobian,
+        is_newton: program.is_newton,
+        program: std::array::from_fn(|_| functions.next().unwrap_or_default()),
+        places: module.values.places(),
+        frame: frame.numbers(),
+        functions: Box::new(Interpreted(code)),
+        layout,
+    }
+}
+
+/// The functions of a system.
+struct InterpretedSystem(Vec<(SystemFunction, Plain)>);
+
+/// A function of a system, with a frame of its own.
+struct Plain {
+    code: Code,
+    frame: Vec<f64>,
+    inputs: Vec<(Input, std::ops::Range<usize>)>,
+    results: std::ops::Range<usize>,
+}
+
+struct InPlain<'a> {
+    inputs: &'a [(Input, std::ops::Range<usize>)],
+    results: Vec<usize>,
+}
+
+impl Places for InPlain<'_> {
+    fn input(&self, input: Input) -> usize {
+        self.inputs.iter().find(|(known, _)| *known == input).map_or(0, |(_, range)| range.start)
+    }
+
+    fn record(&self) -> (&[Value], usize) {
+        (&[], 0)
+    }
+
+    fn result(&self, array: usize) -> usize {
+        self.results[array]
+    }
+}
+
+impl Plain {
+    fn new(function: &Function<SystemRole>) -> Self {
+        let mut end = 0;
+        let mut take = |length: usize| {
+            let start = end;
+            end += length;
+            start..end
+        };
+        let arguments = function.arguments.iter();
+        let inputs: Vec<_> =
+            arguments.map(|argument| (argument.input, take(argument.values.len()))).collect();
+        let results: Vec<_> = function.results.iter().map(|array| take(array.len())).collect();
+        let places = InPlain { inputs: &inputs, results: results.iter().map(|range| range.start).collect() };
+        let results = results.first().map_or(0, |first| first.start)..end;
+        let mut frame = Frame::new(end);
+        let code = assembled(function, &places, &mut frame);
+        Self { code, frame: frame.numbers(), inputs, results }
+    }
+
+    fn call(&self, given: &Given<'_>) -> Vec<f64> {
+        let mut frame = self.frame.clone();
+        for (input, range) in &self.inputs {
+            let numbers = match input {
+                Input::Parameters => given.parameters,
+                Input::State => given.state,
+                Input::Time => std::slice::from_ref(&given.time),
+                Input::Control => given.control,
+                Input::Velocity => given.velocity,
+                Input::Tangent => given.tangent,
+                _ => &[],
+            };
+            frame[range.clone()].iter_mut().zip(numbers).for_each(|(to, number)| *to = *number);
+        }
+        self.code.run::<1>(frame.as_chunks_mut().0);
+        frame[self.results.clone()].to_vec()
+    }
+}
+
+fn system_functions(program: &Program) -> InterpretedSystem {
+    let pivots = (0..program.interface.inertias.len())
+        .map(|place| (SystemFunction::Pivots(place), SystemRole::Pivots(place)));
+    let displacements = scheme::Retraction::ALL
+        .map(|map| (SystemFunction::Displacement(retraction(map)), SystemRole::Displacement(map)));
+    let others = [
+        (SystemFunction::Energy, SystemRole::Energy),
+        (SystemFunction::Velocity, SystemRole::Velocity),
+        (SystemFunction::VelocityNewton, SystemRole::VelocityNewton),
+        (SystemFunction::Momentum, SystemRole::Momentum),
+        (SystemFunction::MomentumNewton, SystemRole::MomentumNewton),
+        (SystemFunction::Casimirs, SystemRole::Casimirs),
+        (SystemFunction::Deviation, SystemRole::Deviation),
+        (SystemFunction::Differential, SystemRole::Differential),
+        (SystemFunction::HamiltonianVector, SystemRole::HamiltonianVector),
+        (SystemFunction::Force, SystemRole::Force),
+    ];
+    let all = others.into_iter().chain(pivots).chain(displacements);
+    let there = all
+        .filter_map(|(function, role)| program.function(role).map(|(_, code)| (function, Plain::new(code))));
+    InterpretedSystem(there.collect())
+}
+
+impl InterpretedSystem {
+    fn function(&self, function: SystemFunction) -> Option<&Plain> {
+        self.0.iter().find(|(known, _)| *known == function).map(|(_, plain)| plain)
+    }
+}
+
+impl SystemFunctions for InterpretedSystem {
+    fn call(&self, function: SystemFunction, given: &Given<'_>) -> Option<Vec<f64>> {
+        self.function(function).map(|plain| plain.call(given))
+    }
+
+    fn asks_for_velocity(&self, function: SystemFunction) -> bool {
+        let asks = |plain: &Plain| plain.inputs.iter().any(|(input, _)| *input == Input::Velocity);
+        self.function(function).is_some_and(asks)
+    }
+}

@@ -1,0 +1,153 @@
+//! Steps of systems made of texts against those that the macro makes of the same tokens: the same in every bit. The catalogue's systems are
+//! compared with their files in `systems/tests/all/dynamic.rs`.
+
+use std::sync::Arc;
+
+use coadjoint::erased::{self, EnsembleSystem, System};
+use coadjoint::prelude::*;
+use coadjoint_dynamic::Model;
+
+/// Items, and their text.
+macro_rules! described {
+    ($text:ident: $($tokens:tt)*) => {
+        $($tokens)*
+        const $text: &str = stringify!($($tokens)*);
+    };
+}
+
+described! { HEAVY_TOP:
+    #[lie_poisson_system(
+        group = SO3,
+        advected(gamma: R3),
+        potential = weight * gamma.dot(&chi),
+        methods(Midpoint, TangentMidpoint),
+        retractions(Exponential, Cayley, SecondKind),
+    )]
+    struct HeavyTop {
+        #[inertia]
+        inertia: Vector3<f64>,
+        weight: f64,
+        chi: Vector3<f64>,
+    }
+}
+
+described! { BODY:
+    #[lie_poisson_system(group = SO3, methods(HamiltonJacobi(4)))]
+    struct Body {
+        #[inertia]
+        inertia: Matrix3<f64>,
+    }
+}
+
+described! { PENDULUM:
+    #[lie_poisson_system(
+        group(first: SO2, second: SO2),
+        control(motor: R1),
+        lagrangian = {
+            let (upper, lower) = (first_velocity.x, second_velocity.x);
+            let between = first.inverse() * second;
+            let kinetic = mass * (upper.powi(2) + lower.powi(2) / 2.0 + upper * lower * between.cos_angle());
+            kinetic + mass * GRAVITY * (2.0 * first.cos_angle() + second.cos_angle())
+        },
+        force(first = motor - friction * first_velocity),
+    )]
+    struct Pendulum {
+        mass: f64,
+        friction: f64,
+    }
+    const GRAVITY: f64 = 9.81;
+}
+
+/// What both say of a scheme after some steps: states, and reports; or why there are none.
+fn same(
+    typed: Arc<dyn EnsembleSystem>,
+    text: &str,
+    schemes: &[&str],
+    (state, control): (&[f64], &[f64]),
+    step: f64,
+) {
+    let model = Model::from_text(text).unwrap_or_else(|error| panic!("{error}"));
+    let dynamic: Arc<dyn EnsembleSystem> = Arc::new(model.system(&typed.parameters()));
+    assert_eq!(typed.description(), dynamic.description());
+    assert_eq!(typed.parameters(), dynamic.parameters());
+    assert_eq!(typed.validate(), dynamic.validate());
+    for scheme in schemes {
+        let scheme = scheme.parse().unwrap();
+        let run = |system: &Arc<dyn EnsembleSystem>| {
+            let system: Arc<dyn System> = system.clone();
+            let mut stepper = erased::Stepper::new(system.clone(), &scheme, step).unwrap();
+            let mut state = state.to_vec();
+            let report = stepper.steps(&mut state, control, 300);
+            let velocity = system.with_velocity(&state, 0.5, control);
+            let bits: Vec<u64> = state.iter().map(|x| x.to_bits()).collect();
+            let memory: Vec<u64> = stepper.snapshot().iter().map(|x| x.to_bits()).collect();
+            (bits, format!("{report:?} {velocity:?}"), memory)
+        };
+        assert_eq!(run(&typed), run(&dynamic), "{scheme}");
+    }
+}
+
+#[test]
+fn heavy_top() {
+    let top = HeavyTop { inertia: vector![1.0, 10.0, 100.0], weight: 1.0, chi: Vector3::z() };
+    let state = [1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 1.0];
+    let schemes = [
+        "Cayley",
+        "Exponential",
+        "SecondKind",
+        "Midpoint<Cayley>",
+        "SymplecticEulerB<Exponential>",
+        "TangentMidpoint<Cayley>",
+        "Order4<Cayley>",
+    ];
+    same(Arc::new(top), HEAVY_TOP, &schemes, (&state, &[]), 0.01);
+}
+
+#[test]
+fn a_body_with_steps_of_order_4() {
+    let inertia = matrix![1.0, 0.1, 0.0; 0.1, 2.0, 0.2; 0.0, 0.2, 2.5];
+    let state = [1.0, 0.0, 0.0, 0.0, 1.0, -0.5, 0.2];
+    let schemes = ["HamiltonJacobi<Exponential, 4>", "HamiltonJacobi<Cayley, 4>", "Exponential"];
+    same(Arc::new(Body { inertia }), BODY, &schemes, (&state, &[]), 0.05);
+    // turned too far for one step, and a mass that no body has
+    same(Arc::new(Body { inertia: 1e-3 * inertia }), BODY, &["Exponential"], (&state, &[]), 5.0);
+    let wrong = Body { inertia: -inertia };
+    let model = Model::from_text(BODY).unwrap();
+    let typed: &dyn System = &wrong;
+    let dynamic: &dyn System = &model.system(&typed.parameters());
+    assert!(typed.validate().is_err());
+    assert_eq!(typed.validate(), dynamic.validate());
+}
+
+#[test]
+fn a_lagrangian_that_is_driven() {
+    let state = [1.0, 0.0, 0.3, 0.96_f64.cos(), 0.96_f64.sin(), -0.4];
+    let schemes = ["Exponential", "StormerVerlet<Exponential>"];
+    let pendulum = Arc::new(Pendulum { mass: 0.7, friction: 0.2 });
+    same(pendulum.clone(), PENDULUM, &schemes, (&state, &[1.5]), 0.01);
+    // what is not finite is refused alike
+    same(pendulum, PENDULUM, &schemes, (&state, &[f64::NAN]), 0.01);
+}
+
+#[test]
+fn members_of_an_ensemble_move_as_one_alone_does() {
+    let model = Model::from_text(HEAVY_TOP).unwrap();
+    let parameters = [1.0, 10.0, 100.0, 1.0, 0.0, 0.0, 1.0];
+    let top = model.system(&parameters);
+    let state = |k: usize| vec![1.0, 0.0, 0.0, 0.0, 1.0, 1.0 + 0.1 * k as f64, 1.0, 0.0, 0.0, 1.0];
+    for scheme in ["Cayley", "Exponential", "Order4<Cayley>"] {
+        let scheme = scheme.parse().unwrap();
+        let members = (0..13).map(|k| (parameters.to_vec(), state(k)));
+        let mut ensemble = erased::Ensemble::new(&top, &scheme, members, 0.01).unwrap();
+        assert_eq!(ensemble.run(200), 13 * 200);
+        for (member, system, moved) in ensemble.members() {
+            let own = system.with_parameters(&parameters);
+            let mut stepper = erased::Stepper::new(own, &scheme, 0.01).unwrap();
+            let mut alone = state(member);
+            stepper.steps(&mut alone, &[], 200).unwrap();
+            // a lane may take an iteration more than it would alone
+            let off = moved.iter().zip(&alone).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-12, "{scheme}, {member}: {off:e}");
+        }
+    }
+}

@@ -1,0 +1,15 @@
+//! Systems that are made while a program runs: their arithmetic is behind functions of numbers in a frame, and what solves their equations is what
+//! solves all others.
+//!
+//! This is what the crate `coadjoint-dynamic` makes systems with, from descriptions as text. Nothing here knows where the functions come from.
+
+mod kernel;
+mod method;
+mod step;
+mod system;
+
+pub use crate::scalar::simd::frame::LANES;
+pub use crate::scheme::Rule;
+pub use kernel::MOST_UNKNOWNS;
+pub use step::{Layout, Lengths, Step, StepFunction, StepFunctions};
+pub use system::{Definition, DynamicSystem, Given, Inertia, SystemFunction, SystemFunctions, description};

@@ -1,0 +1,172 @@
+//! What a step is made of, and how its numbers lie in a frame.
+
+use core::ops::Range;
+use std::boxed::Box;
+use std::vec::Vec;
+
+use crate::retraction::RetractionKind;
+use crate::scalar::simd::frame::{Framed, LANES, Wide};
+use crate::scheme::Rule;
+
+/// The functions of a step, as [`StepFunctions`] has them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum StepFunction {
+    /// What depends on parameters and step alone.
+    New,
+    /// What depends on state, time and controls too.
+    Begin,
+    /// A first approximation of the unknown, to where results go.
+    Start,
+    /// The equation's residual and right side, to their places.
+    Evaluate,
+    /// Newton's correction, to where results go.
+    Correction,
+    /// The next iterate of the fixed-point iteration, to where results go.
+    FixedPointUpdate,
+    /// The least distance to an edge of the retraction's domain, to its place.
+    Domain,
+    /// The state after the step, to its place.
+    Finish,
+}
+
+/// The arithmetic of a step, on frames that are laid out as its [`Layout`] says.
+pub trait StepFunctions: Send + Sync + 'static {
+    /// Calls a function on one frame.
+    fn call(&self, function: StepFunction, frame: &mut [f64]);
+    /// Calls a function on several frames, number by number side by side. In each lane the result is that of the lane alone, bit for bit.
+    fn call_wide(&self, function: StepFunction, frame: &mut [[f64; LANES]]);
+}
+
+/// How many numbers there are.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Lengths {
+    /// Parameters.
+    pub parameters: usize,
+    /// Those of the state.
+    pub state: usize,
+    /// Controls.
+    pub control: usize,
+    /// Unknowns of the equation.
+    pub unknown: usize,
+    /// Values that depend on parameters and step.
+    pub constants: usize,
+    /// Values that depend on state, time and controls too.
+    pub step: usize,
+    /// Values that depend on the unknown too.
+    pub iterate: usize,
+}
+
+/// Where numbers stand in a frame.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    /// The parameters.
+    pub parameters: Range<usize>,
+    /// The length of the step.
+    pub step_size: usize,
+    /// The state at its start.
+    pub state: Range<usize>,
+    /// The time there.
+    pub time: usize,
+    /// The controls.
+    pub control: Range<usize>,
+    /// The unknown.
+    pub unknown: Range<usize>,
+    /// The residual.
+    pub residual: Range<usize>,
+    /// The right side.
+    pub right: Range<usize>,
+    /// An unknown as a result.
+    pub out: Range<usize>,
+    /// The distance to the edge of the domain.
+    pub margin: usize,
+    /// The state after the step.
+    pub next: Range<usize>,
+    /// What functions hand on to others: values of each kind, as long as the step is as it was.
+    pub constants: Range<usize>,
+    /// As above.
+    pub step: Range<usize>,
+    /// As above.
+    pub iterate: Range<usize>,
+    /// Where numbers of the functions' own begin.
+    pub scratch: usize,
+}
+
+impl Layout {
+    /// The layout of frames with so many numbers.
+    pub fn new(lengths: &Lengths) -> Self {
+        let mut end = 0;
+        let mut take = |length: usize| {
+            let start = end;
+            end += length;
+            start..end
+        };
+        let one = |range: Range<usize>| range.start;
+        Self {
+            parameters: take(lengths.parameters),
+            step_size: one(take(1)),
+            state: take(lengths.state),
+            time: one(take(1)),
+            control: take(lengths.control),
+            unknown: take(lengths.unknown),
+            residual: take(lengths.unknown),
+            right: take(lengths.unknown),
+            out: take(lengths.unknown),
+            margin: one(take(1)),
+            next: take(lengths.state),
+            constants: take(lengths.constants),
+            step: take(lengths.step),
+            iterate: take(lengths.iterate),
+            scratch: end,
+        }
+    }
+}
+
+/// A step of one or several schemes that are the same map.
+pub struct Step {
+    /// The schemes.
+    pub schemes: Vec<(RetractionKind, Rule)>,
+    /// Where its numbers are.
+    pub layout: Layout,
+    /// The lengths of the blocks of unknowns.
+    pub blocks: Vec<usize>,
+    /// Whether there is a fixed-point iteration.
+    pub has_fixed_point_update: bool,
+    /// Whether the retraction's domain has an edge.
+    pub has_domain: bool,
+    /// Whether Newton's matrix is the Jacobian of the residual.
+    pub has_true_jacobian: bool,
+    /// Whether all iterations are simplified Newton steps with nearly that matrix.
+    pub is_newton: bool,
+    /// Its functions as bytes, for certificates and for what rounding leaves.
+    pub program: [Vec<u8>; 4],
+    /// How many places the values of these have.
+    pub places: usize,
+    /// A frame before anything is computed.
+    pub frame: Vec<f64>,
+    /// Its arithmetic.
+    pub functions: Box<dyn StepFunctions>,
+}
+
+impl core::fmt::Debug for Step {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Step").field("schemes", &self.schemes).finish_non_exhaustive()
+    }
+}
+
+/// Numbers that functions can be called on.
+pub(crate) trait Called: Framed {
+    /// Calls a function.
+    fn call(functions: &dyn StepFunctions, function: StepFunction, frame: &mut [Self::Row]);
+}
+
+impl Called for f64 {
+    fn call(functions: &dyn StepFunctions, function: StepFunction, frame: &mut [f64]) {
+        functions.call(function, frame);
+    }
+}
+
+impl Called for Wide {
+    fn call(functions: &dyn StepFunctions, function: StepFunction, frame: &mut [[f64; LANES]]) {
+        functions.call_wide(function, frame);
+    }
+}
