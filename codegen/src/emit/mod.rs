@@ -16,6 +16,7 @@
 //!    and the solver of a step's equation, if the target has none.
 
 pub mod bytes;
+pub mod c99;
 pub mod rust;
 
 pub(crate) use rust::stand_in;
