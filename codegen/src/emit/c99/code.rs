@@ -4,7 +4,9 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use super::names::{ident, places, value};
-use crate::program::{Argument, Elementary, Function, Input, Interface, RecordKind, Statement, Term, Value, Values};
+use crate::program::{
+    Argument, Elementary, Function, Input, Interface, RecordKind, Statement, Term, Value, Values,
+};
 use crate::quantity::ScalarType;
 
 /// How operations are written.
@@ -66,7 +68,13 @@ impl Spelling<'_> {
     }
 
     /// What a function takes from its arguments, and computes: declarations of all values that it needs for the results.
-    pub(super) fn body<R>(&self, module: &Values, function: &Function<R>, arithmetic: Arithmetic, results: &[&[Term]]) -> String {
+    pub(super) fn body<R>(
+        &self,
+        module: &Values,
+        function: &Function<R>,
+        arithmetic: Arithmetic,
+        results: &[&[Term]],
+    ) -> String {
         let needed = needed(module, function, arithmetic, results);
         let mut code = String::new();
         let declared = self.type_of(arithmetic);
@@ -87,7 +95,9 @@ impl Spelling<'_> {
                     let term = self.term(module, term, arithmetic);
                     _ = writeln!(code, "    const {declared} {} = {term};", value(module, *place));
                 }
-                Statement::Stumpff { values, argument } if values.iter().flatten().any(|value| needed.contains(value)) => {
+                Statement::Stumpff { values, argument }
+                    if values.iter().flatten().any(|value| needed.contains(value)) =>
+                {
                     let used = values.iter().flatten().copied().filter(|value| needed.contains(value));
                     let first = used.map(|place| value(module, place)).next().unwrap_or_default();
                     let (family, n) = (format!("family_of_{first}"), values.len());
@@ -99,7 +109,11 @@ impl Spelling<'_> {
                     _ = writeln!(code, "    const {function}_family {family} = {function}({argument});");
                     for (k, place) in values.iter().enumerate() {
                         let Some(place) = place.filter(|place| needed.contains(place)) else { continue };
-                        _ = writeln!(code, "    const {declared} {} = {family}.c[{k}];", value(module, place));
+                        _ = writeln!(
+                            code,
+                            "    const {declared} {} = {family}.c[{k}];",
+                            value(module, place)
+                        );
                     }
                 }
                 _ => {}
@@ -113,14 +127,20 @@ impl Spelling<'_> {
         let interface = self.interface;
         let n = argument.values.len();
         let flat = |name: &str| (0..n).map(|k| format!("{name}[{k}]")).collect();
-        let of = |name: &str, all: Vec<String>| all.into_iter().map(|place| format!("{name}->{place}")).collect();
+        let of =
+            |name: &str, all: Vec<String>| all.into_iter().map(|place| format!("{name}->{place}")).collect();
         let record = |name: &str, kind| {
             module.fields(kind).iter().map(|field| format!("{name}{}", value(module, *field))).collect()
         };
         match argument.input {
             Input::Parameters => {
                 let mut all: Vec<String> = of("parameters", places(&interface.parameters));
-                all.extend(interface.constants.iter().map(|constant| format!("parameters->{}", ident(&constant.name))));
+                all.extend(
+                    interface
+                        .constants
+                        .iter()
+                        .map(|constant| format!("parameters->{}", ident(&constant.name))),
+                );
                 all
             }
             Input::State => of("state", places(&interface.state)),
@@ -137,7 +157,10 @@ impl Spelling<'_> {
             Input::Velocity => flat("velocity"),
             Input::Conserved => flat("conserved"),
             Input::Tangent => flat("by"),
-            Input::StatePerturbation | Input::ControlPerturbation | Input::ParameterPerturbation | Input::Costate => flat("by"),
+            Input::StatePerturbation
+            | Input::ControlPerturbation
+            | Input::ParameterPerturbation
+            | Input::Costate => flat("by"),
         }
     }
 
@@ -173,27 +196,38 @@ impl Spelling<'_> {
                         (_, true) => " - ",
                     };
                     // `- -x` is no decrement
-                    text += &if *negative && addend.starts_with('-') { format!("({addend})") } else { addend };
+                    text +=
+                        &if *negative && addend.starts_with('-') { format!("({addend})") } else { addend };
                 }
                 (text, Binding::Sum)
             }
             Term::Product(factors) => {
-                let factors: Vec<String> = factors.iter().map(|factor| within(factor, Binding::Unary)).collect();
+                let factors: Vec<String> =
+                    factors.iter().map(|factor| within(factor, Binding::Unary)).collect();
                 (factors.join(" * "), Binding::Product)
             }
             // two roundings, unless the compiler contracts them
             Term::MulAdd { negative, a, b, addend } => {
                 let sign = if *negative { '-' } else { '+' };
                 let addend = within(addend, Binding::Product);
-                (format!("{addend} {sign} {} * {}", within(a, Binding::Unary), within(b, Binding::Unary)), Binding::Sum)
+                (
+                    format!("{addend} {sign} {} * {}", within(a, Binding::Unary), within(b, Binding::Unary)),
+                    Binding::Sum,
+                )
             }
             Term::Quotient(x, y) => {
                 (format!("{} / {}", within(x, Binding::Product), within(y, Binding::Unary)), Binding::Product)
             }
-            Term::Function(function, x) => (format!("{}({})", self.function(*function), open(x)), Binding::Unary),
+            Term::Function(function, x) => {
+                (format!("{}({})", self.function(*function), open(x)), Binding::Unary)
+            }
             Term::Power(x, y) => (format!("{}({}, {})", self.math("pow"), open(x), open(y)), Binding::Unary),
-            Term::Atan2(y, x) => (format!("{}({}, {})", self.math("atan2"), open(y), open(x)), Binding::Unary),
-            Term::Choice([x, y, z]) => (format!("{prefix}_choose({}, {}, {})", open(x), open(y), open(z)), Binding::Unary),
+            Term::Atan2(y, x) => {
+                (format!("{}({}, {})", self.math("atan2"), open(y), open(x)), Binding::Unary)
+            }
+            Term::Choice([x, y, z]) => {
+                (format!("{prefix}_choose({}, {}, {})", open(x), open(y), open(z)), Binding::Unary)
+            }
         };
         if binding < around { format!("({text})") } else { text }
     }
@@ -211,7 +245,9 @@ impl Spelling<'_> {
     /// The term with calls.
     fn called(&self, module: &Values, term: &Term) -> String {
         let of = |term: &Term| self.called(module, term);
-        let call = |name: &str, operands: &[String]| format!("{}_bounded_{name}({})", self.prefix, operands.join(", "));
+        let call = |name: &str, operands: &[String]| {
+            format!("{}_bounded_{name}({})", self.prefix, operands.join(", "))
+        };
         match term {
             Term::Number(number) => format!("{}_exactly({})", self.prefix, self.number(number.as_emitted())),
             Term::Value(place) => value(module, *place),
@@ -219,17 +255,23 @@ impl Spelling<'_> {
             Term::Sum(addends) => {
                 let mut addends = addends.iter();
                 let first = addends.next().map_or_else(String::new, |(_, first)| of(first));
-                addends.fold(first, |sum, (negative, addend)| call(if *negative { "sub" } else { "add" }, &[sum, of(addend)]))
+                addends.fold(first, |sum, (negative, addend)| {
+                    call(if *negative { "sub" } else { "add" }, &[sum, of(addend)])
+                })
             }
-            Term::Product(factors) => {
-                factors.iter().map(of).reduce(|product, factor| call("mul", &[product, factor])).unwrap_or_default()
-            }
+            Term::Product(factors) => factors
+                .iter()
+                .map(of)
+                .reduce(|product, factor| call("mul", &[product, factor]))
+                .unwrap_or_default(),
             Term::MulAdd { negative, a, b, addend } => {
                 let product = call("mul", &[of(a), of(b)]);
                 call(if *negative { "sub" } else { "add" }, &[of(addend), product])
             }
             Term::Quotient(x, y) => call("div", &[of(x), of(y)]),
-            Term::Function(Elementary::AngleOverSine(order), x) => call(&format!("angle_over_sine_{order}"), &[of(x)]),
+            Term::Function(Elementary::AngleOverSine(order), x) => {
+                call(&format!("angle_over_sine_{order}"), &[of(x)])
+            }
             Term::Function(function, x) => call(&function.name(), &[of(x)]),
             Term::Power(x, y) => call("powf", &[of(x), of(y)]),
             Term::Atan2(y, x) => call("atan2", &[of(y), of(x)]),
@@ -239,9 +281,17 @@ impl Spelling<'_> {
 }
 
 /// The values that results are made of, and, of all that a function returns, its record.
-fn needed<R>(module: &Values, function: &Function<R>, arithmetic: Arithmetic, results: &[&[Term]]) -> BTreeSet<Value> {
+fn needed<R>(
+    module: &Values,
+    function: &Function<R>,
+    arithmetic: Arithmetic,
+    results: &[&[Term]],
+) -> BTreeSet<Value> {
     let mut needed = BTreeSet::new();
-    results.iter().flat_map(|array| array.iter()).for_each(|term| term.values(&mut |value| _ = needed.insert(value)));
+    results
+        .iter()
+        .flat_map(|array| array.iter())
+        .for_each(|term| term.values(&mut |value| _ = needed.insert(value)));
     if let (Arithmetic::Plain, Some(kind)) = (arithmetic, function.record) {
         needed.extend(module.fields(kind));
     }
@@ -250,7 +300,9 @@ fn needed<R>(module: &Values, function: &Function<R>, arithmetic: Arithmetic, re
             Statement::Let { value, term } if needed.contains(value) => {
                 term.values(&mut |value| _ = needed.insert(value));
             }
-            Statement::Stumpff { values, argument } if values.iter().flatten().any(|value| needed.contains(value)) => {
+            Statement::Stumpff { values, argument }
+                if values.iter().flatten().any(|value| needed.contains(value)) =>
+            {
                 argument.values(&mut |value| _ = needed.insert(value));
             }
             _ => {}
@@ -261,7 +313,10 @@ fn needed<R>(module: &Values, function: &Function<R>, arithmetic: Arithmetic, re
 
 /// Whether a function uses anything of an argument.
 pub(super) fn uses<R>(function: &Function<R>, input: Input) -> bool {
-    function.arguments.iter().any(|argument| argument.input == input && argument.values.iter().any(Option::is_some))
+    function
+        .arguments
+        .iter()
+        .any(|argument| argument.input == input && argument.values.iter().any(Option::is_some))
 }
 
 /// The special functions of some code: how many Stumpff functions are computed together, and which derivatives of `θ / sin θ`.

@@ -55,7 +55,12 @@ impl Kernel<'_> {
         let mut text = format!("/* ==== {} ==== */\n\n", self.step.scheme.type_name());
         text += &self.records(words);
         for function in &module.functions {
-            if !(self.size() == 0 && matches!(function.role, StepRole::Start | StepRole::Correction | StepRole::FixedPointUpdate)) {
+            if !(self.size() == 0
+                && matches!(
+                    function.role,
+                    StepRole::Start | StepRole::Correction | StepRole::FixedPointUpdate
+                ))
+            {
                 text += &self.function(module, function);
             }
         }
@@ -74,7 +79,8 @@ impl Kernel<'_> {
     /// Structs of what functions hand on to others.
     fn records(&self, words: &Words) -> String {
         let values = &self.step.module.values;
-        let fields = |kind| -> Vec<String> { values.fields(kind).iter().map(|field| value(values, *field)).collect() };
+        let fields =
+            |kind| -> Vec<String> { values.fields(kind).iter().map(|field| value(values, *field)).collect() };
         let structure = |doc: &str, name: &str, before: &str, fields: &[String]| {
             let mut text = format!("/* {doc} */\ntypedef struct {{\n{before}");
             for field in fields {
@@ -97,10 +103,25 @@ impl Kernel<'_> {
             }
         };
         let text = [
-            structure("What depends on parameters and step size alone.", "constants", "", &fields(RecordKind::Constants)),
+            structure(
+                "What depends on parameters and step size alone.",
+                "constants",
+                "",
+                &fields(RecordKind::Constants),
+            ),
             structure("What depends on the state too.", "begun", "", &fields(RecordKind::Step)),
-            structure("The equation of a step, at a state.", "equation", "    const K_constants *constants;\n    const S_state *state;\n    K_begun begun;\n", &[]),
-            structure("The equation at a value of the unknown, left - right, and what is needed again.", "evaluation", arrays, &fields(RecordKind::Iterate)),
+            structure(
+                "The equation of a step, at a state.",
+                "equation",
+                "    const K_constants *constants;\n    const S_state *state;\n    K_begun begun;\n",
+                &[],
+            ),
+            structure(
+                "The equation at a value of the unknown, left - right, and what is needed again.",
+                "evaluation",
+                arrays,
+                &fields(RecordKind::Iterate),
+            ),
             structure("Solutions of earlier equations.", "memory", memory, &[]),
         ];
         self.words(words).fill(&text.concat())
@@ -111,7 +132,8 @@ impl Kernel<'_> {
         let spelling = &self.spelling;
         let mut begin = 0;
         let blocks = self.step.blocks.iter().map(|length| {
-            let block = Words::default().with("BEGIN", begin.to_string()).with("END", (begin + length).to_string());
+            let block =
+                Words::default().with("BEGIN", begin.to_string()).with("END", (begin + length).to_string());
             begin += length;
             block
         });
@@ -135,7 +157,10 @@ impl Kernel<'_> {
             .holds("full", !self.is_compact)
             .with("GIVEN", given.trim_end())
             .with("SURELY", self.surely())
-            .with("SLOW", words.clone().fill(if self.has_update() { "U_OUT_OF_LINE" } else { "U_FN" }).trim_end())
+            .with(
+                "SLOW",
+                words.clone().fill(if self.has_update() { "U_OUT_OF_LINE" } else { "U_FN" }).trim_end(),
+            )
             .holds("update", self.has_update())
             .holds("newton", self.step.is_newton)
             .holds("true_jacobian", self.step.has_true_jacobian)
@@ -147,7 +172,8 @@ impl Kernel<'_> {
     fn surely(&self) -> String {
         let interface = self.spelling.interface;
         let state = places(&interface.state).into_iter().map(|place| format!("next->{place}"));
-        let open = state.zip(&self.step.bounded).filter(|(_, is_bounded)| !**is_bounded).map(|(place, _)| place);
+        let open =
+            state.zip(&self.step.bounded).filter(|(_, is_bounded)| !**is_bounded).map(|(place, _)| place);
         let controls = places(&interface.controls).into_iter().map(|place| format!("control->{place}"));
         four_sums(&open.chain(controls).collect::<Vec<_>>())
     }
@@ -164,11 +190,20 @@ impl Kernel<'_> {
         begin.extend(self.is_timed.then(|| format!("{real} time")));
         begin.extend(self.has_controls().then(|| format!("const {s}_control *control")));
         let (kind, arguments) = match function.role {
-            StepRole::New => ("void", vec![format!("{k}_constants *constants"), format!("const {s}_parameters *parameters"), format!("{real} step_size")]),
+            StepRole::New => (
+                "void",
+                vec![
+                    format!("{k}_constants *constants"),
+                    format!("const {s}_parameters *parameters"),
+                    format!("{real} step_size"),
+                ],
+            ),
             StepRole::Begin => ("void", begin),
             StepRole::Start => ("void", vec![equation, result]),
             StepRole::Evaluate => ("void", vec![equation, unknown, format!("{k}_evaluation *evaluation")]),
-            StepRole::Correction | StepRole::FixedPointUpdate => ("void", vec![equation, unknown, evaluation, result]),
+            StepRole::Correction | StepRole::FixedPointUpdate => {
+                ("void", vec![equation, unknown, evaluation, result])
+            }
             StepRole::Domain => (real.as_str(), vec![equation, unknown, evaluation]),
             StepRole::Finish => ("void", vec![equation, unknown, evaluation, format!("{s}_state *next")]),
         };
@@ -195,15 +230,19 @@ impl Kernel<'_> {
                 _ = writeln!(body, "    {place} = {};", term(result));
             }
         };
-        let numbered = |name: &str| -> Vec<String> { (0..self.size()).map(|i| format!("{name}[{i}]")).collect() };
+        let numbered =
+            |name: &str| -> Vec<String> { (0..self.size()).map(|i| format!("{name}[{i}]")).collect() };
         match function.role {
             StepRole::Evaluate => {
-                for (name, array) in ["evaluation->residual", "evaluation->right"].iter().zip(&function.results) {
+                for (name, array) in
+                    ["evaluation->residual", "evaluation->right"].iter().zip(&function.results)
+                {
                     fill(&numbered(name), array);
                 }
             }
             StepRole::Finish => {
-                let next: Vec<String> = places(&spelling.interface.state).iter().map(|place| format!("next->{place}")).collect();
+                let next: Vec<String> =
+                    places(&spelling.interface.state).iter().map(|place| format!("next->{place}")).collect();
                 function.results.iter().for_each(|array| fill(&next, array));
             }
             StepRole::Domain => {
@@ -213,7 +252,14 @@ impl Kernel<'_> {
             }
             _ => function.results.iter().for_each(|array| fill(&numbered("result"), array)),
         }
-        let hot = matches!(function.role, StepRole::Begin | StepRole::Evaluate | StepRole::FixedPointUpdate | StepRole::Finish | StepRole::Domain);
+        let hot = matches!(
+            function.role,
+            StepRole::Begin
+                | StepRole::Evaluate
+                | StepRole::FixedPointUpdate
+                | StepRole::Finish
+                | StepRole::Domain
+        );
         let before = if hot { "HOT" } else { "FN" };
         let doc = format!("/* {}: {}. */", function.role.signature().purpose, function.operations());
         format!(
@@ -238,7 +284,11 @@ impl Kernel<'_> {
             let term = spelling.term(&module.values, term, Arithmetic::Bounded);
             _ = writeln!(body, "    bound[{i}] = {upper}_EPSILON * ({term}).error;");
         }
-        let arguments = [format!("const {k}_equation *equation"), format!("const {s}_real *unknown"), format!("{s}_real *bound")];
+        let arguments = [
+            format!("const {k}_equation *equation"),
+            format!("const {s}_real *unknown"),
+            format!("{s}_real *bound"),
+        ];
         format!(
             "/* A bound of what rounding leaves of the residual. */\n{upper}_COLD void {k}_roundoff({})\n{{\n{}{body}}}\n\n",
             arguments.join(", "),

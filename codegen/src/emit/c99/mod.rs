@@ -4,6 +4,7 @@
 //! the library's line by line, so that its steps are those of Rust to the last bit, where the compiler does not contract products and sums.
 
 mod code;
+mod derivative;
 mod kernel;
 mod names;
 mod special;
@@ -26,6 +27,7 @@ use crate::quantity::ScalarType;
 use crate::scheme::{Retraction, Scheme};
 
 const BEGINNING: &str = include_str!("text/beginning.c");
+const END: &str = include_str!("text/end.c");
 
 /// What a header is to have.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -37,6 +39,8 @@ pub struct Options {
     /// Whether equations are solved in few lines, for machines with little memory: with fewer earlier solutions, and without a second search
     /// where Newton's method does not converge. The steps are the same, to rounding.
     pub compact: bool,
+    /// Whether there are functions for CUDA and HIP that take steps of many members, a thread each.
+    pub kernels: bool,
 }
 
 /// Steps of one kind.
@@ -71,7 +75,9 @@ impl fmt::Display for Error {
                 "C does not know constants of a Rust crate: {}; make parameters of them, or write their values into the description",
                 paths.join(", ")
             ),
-            Self::NoStep { step, known } => write!(f, "there is no step `{step}`: the description asks for {}", known.join(", ")),
+            Self::NoStep { step, known } => {
+                write!(f, "there is no step `{step}`: the description asks for {}", known.join(", "))
+            }
         }
     }
 }
@@ -88,14 +94,18 @@ impl Steps {
     fn parts(&self, program: &Program) -> Result<Vec<usize>, Error> {
         let plain = |name: &str| name.replace(' ', "");
         let name = plain(&self.scheme);
-        let retraction = |name: &str| Retraction::ALL.into_iter().find(|retraction| retraction.name() == name);
+        let retraction =
+            |name: &str| Retraction::ALL.into_iter().find(|retraction| retraction.name() == name);
         let halves = || retraction(name.strip_prefix("StormerVerlet<")?.strip_suffix('>')?);
         let parts = match (retraction(&name), halves()) {
             (Some(retraction), _) => program.standard(retraction),
             (None, Some(retraction)) => program.stormer_verlet(retraction),
             (None, None) => {
                 let is_it = |scheme: &Scheme| plain(&scheme.type_name()) == name;
-                let step = program.steps.iter().position(|step| is_it(&step.scheme) || step.aliases.iter().any(is_it));
+                let step = program
+                    .steps
+                    .iter()
+                    .position(|step| is_it(&step.scheme) || step.aliases.iter().any(is_it));
                 step.map(|place| vec![(place, Number::ONE)])
             }
         };
@@ -138,10 +148,13 @@ impl Options {
 pub fn header(program: &Program, options: &Options) -> Result<String, Error> {
     let interface = &program.interface;
     if !interface.constants.is_empty() {
-        return Err(Error::Constants(interface.constants.iter().map(|constant| constant.path.clone()).collect()));
+        return Err(Error::Constants(
+            interface.constants.iter().map(|constant| constant.path.clone()).collect(),
+        ));
     }
     let prefix = snake_case(&interface.name);
-    let spelling = Spelling { prefix: &prefix, scalar: options.scalar.unwrap_or(interface.scalar), interface };
+    let spelling =
+        Spelling { prefix: &prefix, scalar: options.scalar.unwrap_or(interface.scalar), interface };
     let mut options = options.clone();
     if options.steps.is_empty() {
         options.steps = standard(program);
@@ -155,30 +168,56 @@ pub fn header(program: &Program, options: &Options) -> Result<String, Error> {
     let is_timed = parts.iter().flatten().any(|place| is_timed(*place));
     let kernel = |place: usize| {
         let step = &program.steps[place];
-        Kernel { spelling, step, prefix: format!("{prefix}_{}_kernel", snake_case(&step.scheme.name())), is_timed, is_compact: options.compact }
+        Kernel {
+            spelling,
+            step,
+            prefix: format!("{prefix}_{}_kernel", snake_case(&step.scheme.name())),
+            is_timed,
+            is_compact: options.compact,
+        }
     };
     let kernels: BTreeMap<usize, Kernel<'_>> =
         (0..program.steps.len()).filter(used).map(|place| (place, kernel(place))).collect();
     let all = options.steps.iter().zip(&parts).zip(options.prefixes(&interface.name));
     let steppers: Vec<Stepper<'_>> = all
-        .map(|((steps, places), prefix)| stepper(steps, places.iter().map(|place| &kernels[place]).collect(), prefix, is_timed))
+        .map(|((steps, places), prefix)| {
+            stepper(steps, places.iter().map(|place| &kernels[place]).collect(), prefix, is_timed)
+        })
         .collect();
 
-    let words = words(&spelling, is_timed);
+    let has_derivative = derivative::is_there(program);
+    let words = words(&spelling, is_timed).holds("derivative", has_derivative);
     let mut special = Special::default();
-    kernels.values().flat_map(|kernel| &kernel.step.module.functions).for_each(|function| special.note(function));
+    kernels
+        .values()
+        .flat_map(|kernel| &kernel.step.module.functions)
+        .for_each(|function| special.note(function));
+    let derivatives = kernels.values().filter_map(|kernel| kernel.step.derivative.as_ref());
+    derivatives.flat_map(|module| &module.functions).for_each(|function| special.note(function));
     for role in system::roles(program) {
         program.function(role).into_iter().for_each(|(_, function)| special.note(function));
     }
     let mut text = about(interface, &steppers);
-    text += &beginning(interface, &spelling, options.compact, &words);
-    let is_bounded = !options.compact && kernels.values().any(|kernel| kernel.size() > 0);
+    let solved = kernels.values().any(|kernel| kernel.size() > 0);
+    text += &beginning(interface, &spelling, (solved, options.compact), &words);
+    let is_bounded = !options.compact && solved;
     text += &special::special(&spelling, &special, is_bounded, &words);
     text += &system::system(program, &spelling, &words);
-    kernels.values().for_each(|kernel| text += &kernel.emit(&words));
+    if has_derivative {
+        text += &derivative::structure(program, &words);
+    }
+    for kernel in kernels.values() {
+        text += &kernel.emit(&words);
+        if has_derivative {
+            text += &derivative::kernel(kernel, &words);
+        }
+    }
     let number = |x| spelling.number(x);
     steppers.iter().for_each(|stepper| text += &stepper.emit(&words, &number));
-    text += &words.fill(include_str!("text/end.c"));
+    if options.kernels {
+        steppers.iter().for_each(|stepper| text += &stepper.ensemble(interface, &words));
+    }
+    text += &words.fill(END);
     Ok(text)
 }
 
@@ -281,13 +320,22 @@ fn about(interface: &Interface, steppers: &[Stepper<'_>]) -> String {
     for (place, line) in lines.iter().enumerate() {
         // what ends a comment is not to stand within
         let line = line.replace("*/", "* /");
-        text += &if place == 0 { format!(" {line}\n") } else { format!(" * {line}").trim_end().to_owned() + "\n" };
+        text += &if place == 0 {
+            format!(" {line}\n")
+        } else {
+            format!(" * {line}").trim_end().to_owned() + "\n"
+        };
     }
     text + " */\n"
 }
 
 /// Macros, status codes, and structs of quantities.
-fn beginning(interface: &Interface, spelling: &Spelling<'_>, is_compact: bool, words: &Words) -> String {
+fn beginning(
+    interface: &Interface,
+    spelling: &Spelling<'_>,
+    (is_solved, is_compact): (bool, bool),
+    words: &Words,
+) -> String {
     let mut structs = vec![
         structure("The parameters.", "parameters", &interface.parameters),
         structure("The state: configuration, momentum and advected parameters.", "state", &interface.state),
@@ -295,12 +343,27 @@ fn beginning(interface: &Interface, spelling: &Spelling<'_>, is_compact: bool, w
     if !interface.controls.is_empty() {
         structs.push(structure("The controls, held constant over a step.", "control", &interface.controls));
     }
-    words.clone().each("constant", constants(spelling, is_compact)).each("struct", structs).fill(BEGINNING)
+    words
+        .clone()
+        .each("constant", if is_solved { constants(spelling, is_compact) } else { Vec::new() })
+        .holds("solved", is_solved)
+        .each("struct", structs)
+        .fill(BEGINNING)
 }
 
 /// The solver's numbers that are counts, and those that errors are measured with, which are always doubles.
-const COUNTS: &[&str] =
-    &["WINDOW", "THROUGH", "LOW", "ITERATIONS", "INTERVALS", "REGULAR", "DAMPED", "PARTS", "EVALUATIONS", "WANDERING"];
+const COUNTS: &[&str] = &[
+    "WINDOW",
+    "THROUGH",
+    "LOW",
+    "ITERATIONS",
+    "INTERVALS",
+    "REGULAR",
+    "DAMPED",
+    "PARTS",
+    "EVALUATIONS",
+    "WANDERING",
+];
 const DOUBLES: &[&str] = &["SHORTEST", "STRIDE", "ON_THE_WAY"];
 /// Those of equations that are solved in few lines.
 const COMPACT: &[&str] =
@@ -316,7 +379,9 @@ fn constants(spelling: &Spelling<'_>, is_compact: bool) -> Vec<Words> {
         if value < 0.0 { format!("({text})") } else { text }
     };
     let mut constants = Vec::new();
-    for constant in solver::CONSTANTS.iter().filter(|constant| !is_compact || COMPACT.contains(&constant.name)) {
+    for constant in
+        solver::CONSTANTS.iter().filter(|constant| !is_compact || COMPACT.contains(&constant.name))
+    {
         for (place, value) in constant.values.iter().enumerate() {
             let name = match constant.values.len() {
                 1 => constant.name.to_owned(),
@@ -358,7 +423,8 @@ fn structure(summary: &str, name: &'static str, quantities: &[Quantity]) -> Word
         fields.push(Words::default().holds("doc", !doc.is_empty()).with("DOC", doc).with("FIELD", declared));
     }
     if fields.is_empty() {
-        fields.push(Words::default().holds("doc", true).with("DOC", "there is nothing").with("FIELD", "none"));
+        fields
+            .push(Words::default().holds("doc", true).with("DOC", "there is nothing").with("FIELD", "none"));
     }
     Words::default().with("SUMMARY", summary).with("STRUCT", name).each("field", fields)
 }

@@ -6,8 +6,26 @@ use crate::program::{Quantity, Value, Values};
 
 /// Words that generated functions use for themselves.
 const OWN: &[&str] = &[
-    "equation", "unknown", "evaluation", "parameters", "step_size", "state", "time", "control", "next", "result", "point", "velocity", "conserved",
-    "momentum_given", "constants", "residual", "right", "bound", "i", "none",
+    "equation",
+    "unknown",
+    "evaluation",
+    "parameters",
+    "step_size",
+    "state",
+    "time",
+    "control",
+    "next",
+    "result",
+    "point",
+    "velocity",
+    "conserved",
+    "momentum_given",
+    "constants",
+    "residual",
+    "right",
+    "bound",
+    "i",
+    "none",
 ];
 
 /// Words of C, of C++ and of GPUs' dialects, and names of the standard library's that code here calls, or that are macros.
@@ -41,7 +59,8 @@ pub(super) fn ident(name: &str) -> String {
     if is_macro || RESERVED.contains(&bare) || OWN.contains(&bare) {
         ascii.push('_');
     }
-    let is_reserved = ascii.strip_prefix('_').is_some_and(|rest| rest.starts_with(|c: char| c == '_' || c.is_uppercase()));
+    let is_reserved =
+        ascii.strip_prefix('_').is_some_and(|rest| rest.starts_with(|c: char| c == '_' || c.is_uppercase()));
     if is_reserved { format!("x{ascii}") } else { ascii }
 }
 

@@ -43,7 +43,10 @@ pub(super) fn special(spelling: &Spelling<'_>, special: &Special, is_bounded: bo
         .each("family", special.families.iter().map(|members| family(spelling, *members)).collect());
     let functions = DERIVATIVES.iter().filter(|(name, ..)| has(name)).map(|(name, called, derivative)| {
         let derivative = words.fill(derivative).trim_end().to_owned();
-        Words::default().with("FUNCTION", *name).with("CALLED", spelling.math(called)).with("DERIVATIVE", derivative)
+        Words::default()
+            .with("FUNCTION", *name)
+            .with("CALLED", spelling.math(called))
+            .with("DERIVATIVE", derivative)
     });
     let words = words.clone().each("function", functions.collect());
     words.fill(SPECIAL) + &if is_bounded { words.fill(BOUNDED) } else { String::new() }
@@ -72,9 +75,16 @@ fn family(spelling: &Spelling<'_>, members: usize) -> Words {
         1 => vec!["f.c[0] = odd;".to_owned(), "(void)even;".to_owned()],
         _ => vec![format!("f.c[{}] = even;", members - 2), format!("f.c[{}] = odd;", members - 1)],
     };
-    downward.extend((0..members.saturating_sub(2)).rev().map(|k| format!("f.c[{k}] = {} - z * f.c[{}];", inverse(k), k + 2)));
+    downward.extend(
+        (0..members.saturating_sub(2))
+            .rev()
+            .map(|k| format!("f.c[{k}] = {} - z * f.c[{}];", inverse(k), k + 2)),
+    );
     let upward = (3..members).map(|k| {
-        Words::default().with("MEMBER", k.to_string()).with("LESS", (k - 2).to_string()).with("INVERSE", inverse(k - 2))
+        Words::default()
+            .with("MEMBER", k.to_string())
+            .with("LESS", (k - 2).to_string())
+            .with("INVERSE", inverse(k - 2))
     });
     let inverses: Vec<String> = (0..members).map(inverse).collect();
     Words::default()

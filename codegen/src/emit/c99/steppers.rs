@@ -1,9 +1,12 @@
 //! Steppers: a step, or several composed, with what they remember.
 
 use super::kernel::Kernel;
+use super::names::snake_case;
 use super::template::Words;
+use crate::program::{Interface, Quantity};
 
 const STEPPER: &str = include_str!("text/stepper.c");
+const KERNELS: &str = include_str!("text/kernels.c");
 
 /// A stepper, and the names in it.
 pub(super) struct Stepper<'k> {
@@ -64,8 +67,43 @@ impl Stepper<'_> {
             .holds("pair", is_pair)
             .holds("composed", is_composed)
             .holds("timed", self.is_timed)
+            .with("TIMED_STAGE", timed(", from"))
+            .with("TIMED_STAGE_HALF", timed(", from + p->half"))
             .holds("fast", is_fast)
             .each("part", parts.collect());
         words.fill(STEPPER)
+    }
+
+    /// The kernel that takes steps of many members on a GPU.
+    pub(super) fn ensemble(&self, interface: &Interface, words: &Words) -> String {
+        let count = |quantities: &[Quantity]| {
+            quantities.iter().map(|quantity| quantity.components.len()).sum::<usize>()
+        };
+        let [parameters, state, control] =
+            [&interface.parameters, &interface.state, &interface.controls].map(|all| count(all));
+        let real = format!("{}_real", snake_case(&interface.name));
+        let chunk = format!(", {}_clock(&s, time, done)", self.prefix);
+        words
+            .clone()
+            .prefix("X_", format!("{}_", self.prefix))
+            .with("ABOUT", &self.about)
+            .with("MOST", parameters.max(state).max(control).to_string())
+            .with("PARAMETER_COUNT", parameters.to_string())
+            .with("STATE_COUNT", state.to_string())
+            .with("CONTROL_COUNT", control.to_string())
+            .with(
+                "CONTROL_ARRAY",
+                if control > 0 {
+                    format!(", const {real} *controls, unsigned long intervals")
+                } else {
+                    String::new()
+                },
+            )
+            .with("CONTROL_POINTER", if control > 0 { ", &control" } else { "" })
+            .with("TIMED_CHUNK", if self.is_timed { chunk } else { String::new() })
+            .holds("control", control > 0)
+            .holds("parameters", parameters > 0)
+            .holds("timed", self.is_timed)
+            .fill(KERNELS)
     }
 }

@@ -16,16 +16,24 @@ const VELOCITY: &str = include_str!("text/velocity.c");
 const DEVIATION: f64 = 1e-3;
 
 /// The functions that are there for people.
-const PUBLIC: [SystemRole; 5] =
-    [SystemRole::Velocity, SystemRole::Momentum, SystemRole::Energy, SystemRole::Casimirs, SystemRole::SpatialMomentum];
+const PUBLIC: [SystemRole; 5] = [
+    SystemRole::Velocity,
+    SystemRole::Momentum,
+    SystemRole::Energy,
+    SystemRole::Casimirs,
+    SystemRole::SpatialMomentum,
+];
 
 /// The roles of all functions that a header has.
 pub(super) fn roles(program: &Program) -> Vec<SystemRole> {
     let pivots = (0..program.interface.inertias.len()).map(SystemRole::Pivots);
-    let mut roles: Vec<SystemRole> = [SystemRole::Deviation, SystemRole::VelocityNewton].into_iter().chain(pivots).collect();
+    let mut roles: Vec<SystemRole> =
+        [SystemRole::Deviation, SystemRole::VelocityNewton].into_iter().chain(pivots).collect();
     roles.extend(PUBLIC);
     let is_there = |role: &SystemRole| {
-        program.function(*role).is_some_and(|(_, function)| function.results.iter().any(|array| !array.is_empty()))
+        program
+            .function(*role)
+            .is_some_and(|(_, function)| function.results.iter().any(|array| !array.is_empty()))
     };
     roles.retain(is_there);
     roles
@@ -58,11 +66,16 @@ fn needs(program: &Program, function: &Function<SystemRole>, input: Input) -> bo
         };
         program.function(role).is_some_and(|(_, function)| uses(function, input))
     };
-    uses(function, input) || function.role != SystemRole::Momentum && uses(function, Input::Velocity) && velocity()
+    uses(function, input)
+        || function.role != SystemRole::Momentum && uses(function, Input::Velocity) && velocity()
 }
 
 /// What a function declares, and what it is called with, behind parameters and state.
-fn more(program: &Program, spelling: &Spelling<'_>, function: &Function<SystemRole>) -> (Vec<String>, String) {
+fn more(
+    program: &Program,
+    spelling: &Spelling<'_>,
+    function: &Function<SystemRole>,
+) -> (Vec<String>, String) {
     let s = spelling.prefix;
     let (mut declared, mut called) = (Vec::new(), String::new());
     if needs(program, function, Input::Time) {
@@ -96,7 +109,9 @@ fn function(program: &Program, spelling: &Spelling<'_>, role: SystemRole) -> Str
         _ = writeln!(body, "    {real} velocity[{n}];");
         match program.interface.velocity {
             Transform::Explicit => format!("    {s}_velocity(parameters, state{called}, velocity);\n"),
-            Transform::Newton | Transform::Singular => format!("    (void){s}_velocity(parameters, state{called}, velocity);\n"),
+            Transform::Newton | Transform::Singular => {
+                format!("    (void){s}_velocity(parameters, state{called}, velocity);\n")
+            }
         }
     } else {
         String::new()
@@ -140,7 +155,9 @@ fn results(program: &Program, role: SystemRole) -> Option<String> {
 
 fn capitalized(text: &str) -> String {
     let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().collect::<String>() + letters.as_str())
+    letters
+        .next()
+        .map_or_else(String::new, |first| first.to_uppercase().collect::<String>() + letters.as_str())
 }
 
 /// Velocity by Newton's method.
@@ -172,7 +189,8 @@ fn numbers(program: &Program, spelling: &Spelling<'_>, words: &Words) -> String 
     };
     let (state, control) = (all(&interface.state, "x"), all(&interface.controls, "u"));
     let parameters = all(&interface.parameters, "parameters");
-    let same: Vec<String> = places(&interface.state).iter().map(|place| format!("a->{place} == b->{place}")).collect();
+    let same: Vec<String> =
+        places(&interface.state).iter().map(|place| format!("a->{place} == b->{place}")).collect();
     let rotations = interface.state.iter().filter(|part| part.role == Role::Configuration);
     let rotations = rotations.filter_map(|part| {
         let count = match part.kind {
@@ -181,32 +199,50 @@ fn numbers(program: &Program, spelling: &Spelling<'_>, words: &Words) -> String 
             Kind::Scalar | Kind::Vector(_) | Kind::Symmetric(_) | Kind::Matrix(..) => return None,
         };
         let places = places(std::slice::from_ref(part));
-        let squares: Vec<String> = places[..count].iter().map(|place| format!("state->{place} * state->{place}")).collect();
+        let squares: Vec<String> =
+            places[..count].iter().map(|place| format!("state->{place} * state->{place}")).collect();
         Some(Words::default().with("LENGTH", format!("{}({})", spelling.math("sqrt"), squares.join(" + "))))
     });
     let matrices = interface.parameters.iter().filter_map(|parameter| match parameter.kind {
         Kind::Symmetric(rows) => {
             let first = places(std::slice::from_ref(parameter)).into_iter().next()?;
-            Some(Words::default().with("ENTRIES", format!("&parameters->{first}")).with("ROWS", rows.to_string()))
+            Some(
+                Words::default()
+                    .with("ENTRIES", format!("&parameters->{first}"))
+                    .with("ROWS", rows.to_string()),
+            )
         }
         _ => None,
     });
     let inertias = interface.inertias.iter().enumerate().map(|(place, inertia)| {
-        let pivots = program.function(SystemRole::Pivots(place)).map_or(0, |(_, function)| function.results.iter().map(Vec::len).sum());
-        Words::default().with("PIVOTS", SystemRole::Pivots(place).name()).with("ROWS", pivots.max(inertia.rows.min(pivots)).to_string())
+        let pivots = program
+            .function(SystemRole::Pivots(place))
+            .map_or(0, |(_, function)| function.results.iter().map(Vec::len).sum());
+        Words::default()
+            .with("PIVOTS", SystemRole::Pivots(place).name())
+            .with("ROWS", pivots.max(inertia.rows.min(pivots)).to_string())
     });
     let matrices: Vec<Words> = matrices.collect();
     let inertias: Vec<Words> = inertias.collect();
     let has_domain = program.steps.iter().any(|step| {
-        step.module.function(crate::program::StepRole::Domain).is_some_and(|function| function.results.iter().map(Vec::len).sum::<usize>() > 1)
+        step.module
+            .function(crate::program::StepRole::Domain)
+            .is_some_and(|function| function.results.iter().map(Vec::len).sum::<usize>() > 1)
     });
-    let arrays = [("parameters", &interface.parameters), ("state", &interface.state), ("control", &interface.controls)];
-    let arrays = arrays.into_iter().filter(|(_, quantities)| !quantities.is_empty()).map(|(name, quantities)| {
-        let component = |(k, place): (usize, String)| Words::default().with("PLACE", place).with("COMPONENT", k.to_string());
-        let components: Vec<Words> = places(quantities).into_iter().enumerate().map(component).collect();
-        let count = components.len().to_string();
-        Words::default().with("STRUCT", name).with("LENGTH", count).each("component", components)
-    });
+    let arrays = [
+        ("parameters", &interface.parameters),
+        ("state", &interface.state),
+        ("control", &interface.controls),
+    ];
+    let arrays =
+        arrays.into_iter().filter(|(_, quantities)| !quantities.is_empty()).map(|(name, quantities)| {
+            let component = |(k, place): (usize, String)| {
+                Words::default().with("PLACE", place).with("COMPONENT", k.to_string())
+            };
+            let components: Vec<Words> = places(quantities).into_iter().enumerate().map(component).collect();
+            let count = components.len().to_string();
+            Words::default().with("STRUCT", name).with("LENGTH", count).each("component", components)
+        });
     words
         .clone()
         .each("array", arrays.collect())

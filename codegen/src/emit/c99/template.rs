@@ -52,14 +52,16 @@ impl Words {
     fn lines(&self, lines: &[&str], filled: &mut String) {
         let mut at = 0;
         while let Some(line) = lines.get(at) {
-            let Some((command, word)) = line.trim().strip_prefix("//").and_then(|line| line.split_once(' ')) else {
+            let Some((command, word)) = line.trim().strip_prefix("//").and_then(|line| line.split_once(' '))
+            else {
                 filled.push_str(&self.line(line));
                 filled.push('\n');
                 at += 1;
                 continue;
             };
             let (otherwise, end) = parts(&lines[at + 1..]);
-            let (first, second) = (at + 1..at + 1 + otherwise, (at + 2 + otherwise).min(at + 1 + end)..at + 1 + end);
+            let (first, second) =
+                (at + 1..at + 1 + otherwise, (at + 2 + otherwise).min(at + 1 + end)..at + 1 + end);
             match command {
                 "each" => {
                     for words in self.lists.get(word).into_iter().flatten() {
@@ -94,7 +96,8 @@ impl Words {
         // where nothing fills a place of arguments
         let mut filled = filled.trim_end().to_owned();
         for (before, after) in [(" ,", ","), (" )", ")"), (" ;", ";")] {
-            while let Some(at) = filled.trim_start().contains(before).then(|| filled.rfind(before)).flatten() {
+            while let Some(at) = filled.trim_start().contains(before).then(|| filled.rfind(before)).flatten()
+            {
                 filled.replace_range(at..at + before.len(), after);
             }
         }
@@ -105,7 +108,8 @@ impl Words {
         if let Some(word) = self.words.get(name) {
             return word.clone();
         }
-        let prefixed = self.prefixes.iter().find_map(|(place, text)| Some((text.as_str(), name.strip_prefix(place)?)));
+        let prefixed =
+            self.prefixes.iter().find_map(|(place, text)| Some((text.as_str(), name.strip_prefix(place)?)));
         let (prefix, rest) = prefixed.unwrap_or(("", name));
         let part = |part| self.words.get(part).map_or(part, String::as_str);
         let parts: Vec<&str> = rest.split('_').map(part).collect();

@@ -32,11 +32,13 @@ typedef SCALAR REAL;
 #define U_LARGEST_DOUBLE LARGEST_DOUBLE_VALUE
 #define U_FLOOR FLOOR_VALUE
 
+//if solved
 /* The solver's numbers; a unit is U_EPSILON. */
 //each constant
 #define U_NAME VALUE /* PURPOSE */
 //end
 
+//end
 typedef enum {
     U_OK = 0,
     U_NOT_FINITE, /* state, time or a control, or the state after the step, or what moves it, is infinite somewhere or not a number */

@@ -13,7 +13,7 @@ U_FN S_status K_advance(const K_constants *k, K_memory *m, const S_state *x TIME
     K_equation q;
     K_evaluation e;
     REAL z[SIZE], d[SIZE], now, last = U_FAR, moved = ONE, was;
-    int i, j, iterations = 0, corrections = 0;
+    int i, j, given, iterations = 0, corrections = 0;
 //if update
     int is_newton = 0;
 //end
@@ -23,6 +23,8 @@ U_FN S_status K_advance(const K_constants *k, K_memory *m, const S_state *x TIME
     q.constants = k;
     q.state = x;
     K_begin(&q TIMED_CALL CONTROL_CALL);
+    /* what of these is not finite is not finite after the step either */
+    given = GIVEN;
     if (m->count == 0) {
         K_start(&q, z);
     } else {
@@ -55,7 +57,7 @@ U_FN S_status K_advance(const K_constants *k, K_memory *m, const S_state *x TIME
         if (K_is_rounding(now, moved) || (now > U_PROGRESS * last && moved <= COMPACT_STALL))
             break;
         if (corrections == CORRECTIONS || !S_is_finite(now)) {
-            status = S_state_is_finite(x) && GIVEN ? U_NO_CONVERGENCE : U_NOT_FINITE;
+            status = given && S_state_is_finite(x) ? U_NO_CONVERGENCE : U_NOT_FINITE;
             break;
         }
         K_correction(&q, z, &e, d);
@@ -66,7 +68,7 @@ U_FN S_status K_advance(const K_constants *k, K_memory *m, const S_state *x TIME
         corrections++;
     }
     K_finish(&q, z, &e, next);
-    if (status == U_OK && !(S_state_is_finite(next) && GIVEN))
+    if (status == U_OK && !(given && S_state_is_finite(next)))
         status = U_NOT_FINITE;
 //if domain
     if (status == U_OK && !(K_domain(&q, z, &e) > 0))

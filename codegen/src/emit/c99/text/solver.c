@@ -69,7 +69,7 @@ U_HOT void K_earlier(const K_memory *m, unsigned oldest, int ahead, REAL *sum)
 }
 
 /* The next solution from the polynomial through so many of the latest. */
-U_FN void K_through(const K_memory *m, int points, REAL *sum)
+U_FN void K_polynomial(const K_memory *m, int points, REAL *sum)
 {
     U_TABLE REAL reciprocal[U_THROUGH] = { RECIPROCALS };
     REAL weight = -ONE;
@@ -92,7 +92,7 @@ U_FN void K_predict(K_memory *m)
     REAL sum[SIZE];
     int i;
     if (m->count < U_WINDOW) {
-        K_through(m, m->count < U_THROUGH ? m->count : U_THROUGH, m->next);
+        K_polynomial(m, m->count < U_THROUGH ? m->count : U_THROUGH, m->next);
         return;
     }
     K_earlier(m, m->oldest, 0, sum);
@@ -133,7 +133,7 @@ U_FN void K_learn_solution(K_memory *m, const REAL *solution)
     known = off <= U_LOST ? m->count : 0;
     m->count = known < U_WINDOW ? known + 1 : known;
     if (known > U_LOW) {
-        K_through(m, U_LOW, by_few);
+        K_polynomial(m, U_LOW, by_few);
         if (off > U_SMALL && K_weighted(weights, by_few, solution) < off)
             m->count = U_LOW;
     }

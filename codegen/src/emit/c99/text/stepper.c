@@ -10,6 +10,9 @@ typedef struct {
     REAL half;
     int is_whole; /* both halves remember solutions of one and the same step */
 //end
+//if derivative
+    REAL step_size;
+//end
 } X_part;
 
 /* Takes steps of one size. The state that the last step led to, and solutions, are remembered: that saves time, and nothing else. */
@@ -23,6 +26,9 @@ typedef struct {
     REAL step_size;
     S_state left;
     int knows_left;
+//if derivative
+    S_parameters parameters;
+//end
 } X_stepper;
 
 U_FN void X_part_init(X_part *p, const S_parameters *parameters, REAL step_size)
@@ -30,6 +36,9 @@ U_FN void X_part_init(X_part *p, const S_parameters *parameters, REAL step_size)
 //if pair
     p->half = HALF * step_size;
     p->is_whole = 0;
+//end
+//if derivative
+    p->step_size = step_size;
 //end
 //each part
     L_new(&p->NTH, parameters, SHARE);
@@ -59,6 +68,9 @@ U_FN S_status X_init(X_stepper *s, const S_parameters *parameters, REAL step_siz
 //end
     s->step_size = step_size;
     s->knows_left = 0;
+//if derivative
+    s->parameters = valid;
+//end
     return U_OK;
 }
 
@@ -274,3 +286,55 @@ U_FN int X_iterations(const X_stepper *s)
 //end
 }
 
+//if derivative
+/* One step, and its derivatives: they are those of one step alone. */
+U_FN S_status X_step_with_derivative(X_stepper *s, S_state *state TIMED_ARGUMENT CONTROL_ARGUMENT, S_derivative *derivative)
+{
+    S_state at = *state, next;
+    const int known = s->knows_left && S_is_same(&s->left, state);
+    S_status status = known ? U_OK : S_check(state);
+//if composed
+//if timed
+    U_TABLE REAL done[COUNT] = { DONE };
+//end
+//end
+    int i;
+    if (status != U_OK)
+        return status;
+    status = X_advance(s, state TIMED_CALL CONTROL_CALL, known, &next);
+    if (status != U_OK)
+        return status;
+    /* once more through the states between, from the solutions that were found */
+    S_derivative_clear(derivative);
+    for (i = 0; i < COUNT; i++) {
+//if composed
+        X_part *const p = &s->parts[i];
+//if timed
+        const REAL from = time + done[i] * s->step_size;
+//end
+//else
+        X_part *const p = &s->part;
+//if timed
+        const REAL from = time;
+//end
+//end
+//if pair
+        S_state middle;
+        L1_follow(&p->first_memory, &s->parameters, p->half, &at TIMED_STAGE CONTROL_CALL, derivative);
+        L1_replay(&p->first, &p->first_memory, &at TIMED_STAGE CONTROL_CALL, &middle);
+        L2_follow(&p->second_memory, &s->parameters, p->half, &middle TIMED_STAGE_HALF CONTROL_CALL, derivative);
+        L2_replay(&p->second, &p->second_memory, &middle TIMED_STAGE_HALF CONTROL_CALL, &at);
+//else
+        L1_follow(&p->first_memory, &s->parameters, p->step_size, &at TIMED_STAGE CONTROL_CALL, derivative);
+        L1_replay(&p->first, &p->first_memory, &at TIMED_STAGE CONTROL_CALL, &at);
+//end
+    }
+    if (!S_derivative_is_finite(derivative))
+        return U_NO_DERIVATIVE;
+    *state = next;
+    s->left = next;
+    s->knows_left = 1;
+    return U_OK;
+}
+
+//end
