@@ -25,6 +25,7 @@
 //! * … [differentiate steps and runs](derivatives): control, estimation, identification
 //! * … [write and read states](storing), and the two orders of a quaternion
 //! * … [run without the standard library](embedded)
+//! * … [take steps in C](headers), on a microcontroller or a GPU
 //! * … [choose the system while the program runs](erased)
 //!
 //! **Reference**
@@ -60,6 +61,7 @@ pages![
     derivatives,
     storing,
     embedded,
+    headers,
     erased,
     reading,
     paper

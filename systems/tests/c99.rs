@@ -628,6 +628,79 @@ fn the_compact_solver_takes_the_same_steps() {
     }
 }
 
+/// The firmware of the guide, on this machine: its motion is that of Rust, as far as numbers of 32 bits go.
+#[test]
+fn firmware_takes_the_steps_of_rust() {
+    if compiler().is_none() {
+        return;
+    }
+    let entry = CATALOGUE.find("heavy_top").expect("it is there");
+    let (attribute, item) = description(entry.source, "HeavyTop");
+    let options = Options {
+        steps: vec![Steps::of("Cayley")],
+        scalar: Some(ScalarType::F32),
+        compact: true,
+        ..Options::default()
+    };
+    let header = coadjoint_codegen::c99(attribute, item, &options).expect("a header");
+    let guide = include_str!("../../runtime/src/guide/headers.md");
+    let code = guide.split("```c\n").nth(1).and_then(|rest| rest.split("```").next()).expect("the loop");
+    let code = code.replace("heavy_top.h", "system.h");
+    let board = "#include <stdio.h>\n\nstatic unsigned long shown;\n\nvoid wait_for_tick(void) {}\n\n\
+                 void show(const heavy_top_state *now)\n{\n    if (++shown == 1000)\n        \
+                 printf(\"%.9g %.9g %.9g %.9g\\n\", (double)now->attitude[0], (double)now->momentum[0], (double)now->momentum[1], (double)now->gamma[2]);\n}\n\n\
+                 int main(void)\n{\n    return run(1000);\n}\n";
+    let printed = run("firmware", &header, &format!("{code}\n{board}"));
+    let mut stepper = erased::Stepper::new(
+        entry.system(&entry.example.parameters),
+        &"Cayley".parse().expect("a scheme"),
+        0.01,
+    )
+    .expect("a stepper");
+    let mut state = entry.example.state.clone();
+    for _ in 0..1000 {
+        stepper.step(&mut state, &[]).expect("a step");
+    }
+    let expected = [state[0], state[4], state[5], state[9]];
+    for (c, rust) in printed.split_whitespace().map(|x| x.parse::<f64>().expect("a number")).zip(expected) {
+        assert!((c - rust).abs() < 1e-4, "{c} instead of {rust}");
+    }
+    fits_a_microcontroller(&header, &code);
+}
+
+/// No more than 3 kB of code and 0.5 kB of stack on a Cortex-M4.
+fn fits_a_microcontroller(header: &str, code: &str) {
+    let path = directory("thumb");
+    fs::write(path.join("system.h"), header).expect("written");
+    fs::write(path.join("main.c"), code).expect("written");
+    let flags = [
+        "-mcpu=cortex-m4",
+        "-mthumb",
+        "-mfpu=fpv4-sp-d16",
+        "-mfloat-abi=hard",
+        "-std=c99",
+        "-fno-math-errno",
+        "-Os",
+        "-fstack-usage",
+        "-c",
+        "main.c",
+    ];
+    let compiled = Command::new("arm-none-eabi-gcc").args(flags).current_dir(&path).output();
+    let sizes = Command::new("arm-none-eabi-size").arg("main.o").current_dir(&path).output();
+    let (Ok(compiled), Ok(sizes)) = (compiled, sizes) else {
+        println!("SKIPPED: there is no arm-none-eabi-gcc, so that the firmware's size was not looked at");
+        return;
+    };
+    assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
+    let sizes = String::from_utf8_lossy(&sizes.stdout).into_owned();
+    let text = sizes.lines().nth(1).and_then(|line| line.split_whitespace().next()?.parse::<u32>().ok());
+    assert!(text.is_some_and(|bytes| bytes <= 3000), "{sizes}");
+    let frames = fs::read_to_string(path.join("main.su")).expect("frames");
+    let largest = frames.lines().filter_map(|line| line.split('\t').nth(1)?.parse::<u32>().ok()).max();
+    assert!(largest.is_some_and(|bytes| bytes <= 512), "{frames}");
+    fs::remove_dir_all(&path).expect("removed");
+}
+
 /// Kernels for GPUs, run on the processor: each member goes as it does by itself. CUDA's front end looks at them too, where it is there.
 #[test]
 fn kernels_take_each_member_as_it_is() {
