@@ -139,6 +139,15 @@ pub fn derived(source: &source::Source, name: Option<&str>) -> syn::Result<Deriv
     Ok(Derived { program, constants, warnings })
 }
 
+/// A C99 header of a description without problems, for some of its steps: one file that needs nothing but `math.h`.
+///
+/// # Errors
+/// All problems of the description, each at its tokens; or a step that it does not ask for, or constants of the user's own code.
+pub fn c99(attribute: TokenStream, item: TokenStream, options: &emit::c99::Options) -> syn::Result<String> {
+    let header = compiled(attribute, item, |program, _, _, _| emit::c99::header(&program, options))?;
+    header.map_err(|error| syn::Error::new(proc_macro2::Span::call_site(), error))
+}
+
 /// What is made of the program of a description without problems.
 fn compiled<R>(
     attribute: TokenStream,

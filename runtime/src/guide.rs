@@ -27,6 +27,7 @@
 //! * … [differentiate steps and runs](derivatives): control, estimation, identification
 //! * … [write and read states](storing), and the two orders of a quaternion
 //! * … [run without the standard library](embedded)
+//! * … [take steps in C](headers), on a microcontroller or a GPU
 //! * … [choose the system while the program runs](erased)
 //! * … [read a system from a text](at_run_time), with no compiler
 //!
@@ -65,6 +66,7 @@ pages![
     derivatives,
     storing,
     embedded,
+    headers,
     erased,
     reading,
     paper

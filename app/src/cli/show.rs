@@ -1,10 +1,13 @@
-//! `coadjoint show`: the generated code, as the macro emits it, formatted.
+//! `coadjoint show`: the generated code, as the macro emits it, formatted; or as a header for C.
 
 use std::io::Write;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
+use coadjoint::composition::{Coefficients as _, KahanLi6, KahanLi8, SofroniouSpaletta10, Suzuki4};
 use coadjoint_codegen::emit::StepExpansion;
+use coadjoint_codegen::emit::c99::{self, Options, Steps};
 use coadjoint_codegen::group;
+use coadjoint_codegen::quantity::ScalarType;
 use coadjoint_codegen::scheme::Scheme;
 use proc_macro2::{Group, Literal, TokenStream, TokenTree};
 use quote::ToTokens;
@@ -12,8 +15,9 @@ use syn::{Item, ItemStruct, Meta};
 
 use super::description::DescriptionArguments;
 use crate::catalogue::{Catalogue, Entry};
-use crate::error::Error;
-use crate::setup::Retraction;
+use crate::error::{Error, SetupError};
+use crate::setup::{Method, MethodParser, Order, Retraction};
+use crate::simulate;
 
 /// The arguments of `show`.
 #[derive(Debug, Args)]
@@ -30,6 +34,33 @@ pub(crate) struct ShowArguments {
     /// The code of the steps' derivatives, too
     #[arg(long)]
     pub(crate) derivatives: bool,
+    /// Rust as the macro emits it, or one header that brings its solver
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) language: Language,
+    /// Of a header: what the step makes of the map, where it was generated [default: standard]
+    #[arg(long, value_parser = MethodParser)]
+    pub(crate) method: Option<Method>,
+    /// Of a header: 2, or 4, 6, 8, 10 [default: 2]
+    #[arg(long, value_enum)]
+    pub(crate) order: Option<Order>,
+    /// Of a header: numbers of 32 bits
+    #[arg(long)]
+    pub(crate) float: bool,
+    /// Of a header: a solver in few lines, for machines with little memory
+    #[arg(long)]
+    pub(crate) compact: bool,
+}
+
+/// What code is shown in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Language {
+    /// As the macro emits it
+    #[default]
+    Rust,
+    /// A C99 header, for C++ too
+    C,
+    /// The same with functions for GPUs that take steps of many members; for HIP too
+    Cuda,
 }
 
 pub(crate) fn show(
@@ -38,17 +69,76 @@ pub(crate) fn show(
     console: &mut dyn Write,
 ) -> Result<(), Error> {
     let entry = arguments.described.system(catalogue, arguments.system.as_deref())?;
-    let code = generated(entry, arguments.retraction, arguments.derivatives)
-        .map_err(|error| Error::Generator { system: entry.name.clone(), reason: error.to_string() })?;
+    if entry.source.is_empty() {
+        let message = format!(
+            "`{}` has no source: give its entry one, `.with_source(include_str!(\"main.rs\"))`",
+            entry.name
+        );
+        return Err(SetupError::new(message).into());
+    }
+    let rejected =
+        |error: syn::Error| Error::Generator { system: entry.name.clone(), reason: error.to_string() };
+    let ShowArguments { retraction, derivatives, language, method, order, float, compact, .. } = *arguments;
+    let code = match language {
+        Language::Rust if method.is_some() || order.is_some() || float || compact => {
+            let message = "`--method`, `--order`, `--float` and `--compact` are for headers: `--language c`";
+            return Err(SetupError::new(message.to_owned()).into());
+        }
+        Language::Rust => generated(entry, retraction, derivatives).map_err(rejected)?,
+        Language::C | Language::Cuda => {
+            let (attribute, item) = described(entry, derivatives).map_err(rejected)?;
+            let program = coadjoint_codegen::program(attribute, item).map_err(rejected)?;
+            let options = Options {
+                steps: steps(entry, arguments)?,
+                scalar: float.then_some(ScalarType::F32),
+                compact,
+                kernels: language == Language::Cuda,
+            };
+            let header = c99::header(&program, &options);
+            header.map_err(|error| SetupError::new(format!("`{}`: {error}", entry.name)))?
+        }
+    };
     write!(console, "{code}")?;
     Ok(())
 }
 
+/// The steps of a header; none where the usual ones are meant.
+fn steps(entry: &Entry, arguments: &ShowArguments) -> Result<Vec<Steps>, SetupError> {
+    let ShowArguments { retraction, method, order, .. } = *arguments;
+    if retraction.is_none() && method.is_none() && order.is_none() {
+        return Ok(Vec::new());
+    }
+    let retractions = retraction.map_or_else(|| Retraction::of(entry), |retraction| vec![retraction]);
+    let (method, order) = (method.unwrap_or_default(), order.unwrap_or_default());
+    let gamma = match order {
+        _ if method == Method::HamiltonJacobi => &[],
+        Order::Two => &[][..],
+        Order::Four => Suzuki4::GAMMA,
+        Order::Six => KahanLi6::GAMMA,
+        Order::Eight => KahanLi8::GAMMA,
+        Order::Ten => SofroniouSpaletta10::GAMMA,
+    };
+    let of = |retraction: Retraction| {
+        // that it can be composed
+        let whole = simulate::scheme(method, retraction, order)?;
+        let base = if gamma.is_empty() { whole } else { simulate::scheme(method, retraction, Order::Two)? };
+        Ok(Steps { scheme: base.to_string(), gamma: gamma.to_vec() })
+    };
+    retractions.into_iter().map(of).collect()
+}
+
 /// The code generated from an entry's source, for one retraction or all, with its derivatives or without.
 fn generated(entry: &Entry, retraction: Option<Retraction>, derivatives: bool) -> syn::Result<String> {
-    let (attribute, item) = description(entry.source)?;
-    let tokens = expand(attribute, item, retraction, derivatives)?;
+    let (attribute, item) = described(entry, derivatives)?;
+    let tokens = expand(attribute, item, retraction)?;
     Ok(prettyplease::unparse(&syn::parse2(without_bytes(tokens))?))
+}
+
+/// The description of an entry, which asks for derivatives where they are wanted: the catalogue's ask for none.
+fn described(entry: &Entry, derivatives: bool) -> syn::Result<(TokenStream, TokenStream)> {
+    let (attribute, item) = description(entry.source, entry.description.name)?;
+    let asked = derivatives.then(|| quote::quote! { derivatives, });
+    Ok((quote::quote! { #asked #attribute }, item))
 }
 
 /// With `b"..."` in the place of what nobody can read: programs as bytes, which say what the functions beside them say.
@@ -70,11 +160,8 @@ fn expand(
     attribute: TokenStream,
     item: TokenStream,
     retraction: Option<Retraction>,
-    derivatives: bool,
 ) -> syn::Result<TokenStream> {
-    // the catalogue's descriptions ask for none
-    let asked = derivatives.then(|| quote::quote! { derivatives, });
-    let mut expansion = coadjoint_codegen::expand(quote::quote! { #asked #attribute }, item)?;
+    let mut expansion = coadjoint_codegen::expand(attribute, item)?;
     if let Some(retraction) = retraction {
         let requested = match retraction {
             Retraction::Exponential => group::Retraction::Exponential,
@@ -91,14 +178,20 @@ fn expand(
     Ok(expansion.into_tokens())
 }
 
-/// The arguments of the attribute in a system's file, and the struct it stands on.
-fn description(source: &str) -> syn::Result<(TokenStream, TokenStream)> {
+/// The arguments of the attribute in a system's file, and the struct it stands on: the one of this name, or the first one.
+fn description(source: &str, name: &str) -> syn::Result<(TokenStream, TokenStream)> {
     let file = syn::parse_file(source)?;
-    let described = file.items.into_iter().find_map(|item| match item {
-        Item::Struct(item) => take_attribute(item),
+    let structs = file.items.into_iter().filter_map(|item| match item {
+        Item::Struct(item) => Some(item),
         _ => None,
     });
+    let described: Vec<_> =
+        structs.filter_map(|item| Some((item.ident.to_string(), take_attribute(item)?))).collect();
+    let place = described.iter().position(|(found, _)| found == name).unwrap_or(0);
     described
+        .into_iter()
+        .nth(place)
+        .map(|(_, described)| described)
         .ok_or_else(|| syn::Error::new(proc_macro2::Span::call_site(), "no struct is described in its file"))
 }
 
@@ -122,12 +215,12 @@ mod tests {
     #[test]
     fn the_attribute_is_taken_off_the_struct() {
         let source = "use a::b; struct Other; #[doc = \"x\"] #[m::lie_poisson_system(group = SO3)] struct Body { a: f64 }";
-        let (attribute, item) = description(source).expect("there is one");
+        let (attribute, item) = description(source, "Body").expect("there is one");
         assert_eq!(attribute.to_string(), "group = SO3");
         let item: ItemStruct = syn::parse2(item).expect("a struct");
         assert_eq!(item.ident, "Body");
         assert_eq!(item.attrs.len(), 1);
-        assert!(description("struct Other;").is_err());
+        assert!(description("struct Other;", "Body").is_err());
     }
 
     #[test]
@@ -140,6 +233,33 @@ mod tests {
             let code = generated(entry, Some(Retraction::Cayley), true).expect("its own generator takes it");
             assert!(code.contains("impl<T: Scalar> Linearized<T"), "{}", entry.name);
             assert!(code.contains("b\"...\"") && !code.contains("\\x"), "{}", entry.name);
+        }
+    }
+    #[test]
+    fn a_struct_is_found_by_its_name() {
+        let source = "#[lie_poisson_system(group = SO3)] struct First { a: f64 } #[lie_poisson_system(group = SO2)] struct Second { a: f64 }";
+        let (attribute, _) = description(source, "Second").expect("there is one");
+        assert_eq!(attribute.to_string(), "group = SO2");
+    }
+
+    #[test]
+    fn headers_are_what_is_asked_for() {
+        let shown = |system: &str, more: &[&str]| {
+            let words = [&["show", system, "--language", "c"], more].concat();
+            let parsed = crate::cli::parsed(words.into_iter().map(str::to_owned).collect());
+            let Ok(crate::cli::Command::Show(arguments)) = parsed else { panic!("{more:?}") };
+            let mut shown = Vec::new();
+            show(&catalogue(), &arguments, &mut shown).map(|()| String::from_utf8(shown).expect("text"))
+        };
+        for entry in catalogue().entries() {
+            let code = shown(&entry.name, &[]).expect("a header");
+            assert!(code.contains("static inline") && code.contains("typedef double"), "{}", entry.name);
+            let code = shown(&entry.name, &["--retraction", "cay", "--order", "4", "--float", "--compact"]);
+            let code = code.expect("a header");
+            assert!(code.contains("typedef float") && code.contains("gamma[5]"), "{}", entry.name);
+            let error =
+                shown(&entry.name, &["--method", "family=1/7"]).expect_err("it is not there").to_string();
+            assert!(error.contains("there is no step `Family<Exponential, 1, 7>`"), "{error}");
         }
     }
 }

@@ -2,10 +2,32 @@
 //!
 //! Everything is decided here but spelling: which values have names, what is stored between functions, how sums
 //! associate, where a product is added in one operation. An emitter gives words to it.
+//!
+//! # What callers do
+//!
+//! Functions are no more than their statements. Whoever calls them does the rest:
+//!
+//! * **A step** is [solved](solver). Its parts and their shares are those of [`Program::standard`], or of any scheme that there is.
+//! * **[`StepRole::Domain`]** returns margins: the solution is inside where the least of them is positive.
+//! * **[`Input::Velocity`]** of a function of the system is what [`SystemRole::Velocity`] gives, where [`Interface::velocity`] is
+//!   [explicit](Transform::Explicit). Else it is found by Newton's method from zero: [`SystemRole::VelocityNewton`] returns the residual, and behind
+//!   it the correction, which is subtracted. A correction that leads to where something is not finite is halved. The iteration ends where no
+//!   component's correction becomes smaller. [`SystemRole::MomentumNewton`] is used likewise.
+//! * **A state is on its group** where the largest of two numbers is small: what [`SystemRole::Deviation`] returns, for matrices, and how far the
+//!   lengths of the rotations are from 1, for every [configuration](crate::quantity::Role::Configuration) of a
+//!   [`Kind`](crate::quantity::Kind) with one. The library refuses states that are off by more than 0.001.
+//! * **Parameters** are finite; [inertias](Interface::inertias) that are matrices equal their transposes to 1e-6 of the largest entry, and steps take
+//!   their symmetric parts; and all [pivots](SystemRole::Pivots) are positive.
+//! * **A derivative's matrix** is, column by column, `explicit + through · unknown`, of the two arrays that [`DerivativeRole::WrtState`] and its like
+//!   return for each column.
+//! * **[Stumpff functions](stumpff)** are a statement: the target brings them.
 
 mod interface;
 mod operations;
 mod roles;
+pub mod solver;
+mod standard;
+pub mod stumpff;
 mod text;
 
 pub use interface::{Constant, Documentation, Element, Inertia, Interface, Quantity, Transform};

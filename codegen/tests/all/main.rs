@@ -3,6 +3,7 @@
 mod alone;
 mod bounds;
 mod bytes;
+mod c99;
 mod calculus;
 mod casimirs;
 mod catalogue;

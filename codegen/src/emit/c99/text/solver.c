@@ -1,0 +1,661 @@
+/* A solution of a step's equation, or what has become of the search for it. */
+typedef struct {
+    /* where the equation was evaluated the last time, and the unknown, so near to that that it makes no difference */
+    REAL point[SIZE], unknown[SIZE];
+    K_evaluation evaluation;
+    int solved, iterations;
+    /* what is left, relative to the equation's terms, and the factor by which iterations contract */
+    REAL residual, rate;
+} K_solution;
+
+/* Whether no block changes by more than the tolerance times its size: without a division, which takes long. */
+U_HOT int K_is_within(const REAL *from, const REAL *to, REAL tolerance)
+{
+    REAL change, size;
+    int i, is_within = 1;
+//each block
+    change = ZERO;
+    size = ZERO;
+    for (i = BEGIN; i < END; i++) {
+        change += FABS(to[i] - from[i]);
+        size += FABS(to[i]);
+    }
+    is_within &= change <= tolerance * size;
+//end
+    return is_within;
+}
+
+/* Whether each block of one is no larger than that of the other, which is finite. */
+U_FN int K_is_below(const REAL *of, const REAL *bound)
+{
+    REAL size, most;
+    int i, is_below = 1;
+//each block
+    size = ZERO;
+    most = U_FLOOR;
+    for (i = BEGIN; i < END; i++) {
+        size += FABS(of[i]);
+        most += FABS(bound[i]);
+    }
+    is_below &= size <= most && S_is_finite(most);
+//end
+    return is_below;
+}
+
+/* ---- What is remembered of earlier solutions: it saves time, and nothing else. ---- */
+
+/* x[j], from the latest on. */
+U_HOT const REAL *K_row(const K_memory *m, unsigned oldest, int j)
+{
+    return m->ring[(oldest + (unsigned)U_WINDOW - (unsigned)j) % (unsigned)U_WINDOW];
+}
+
+/* x[16] - w[1] x[15] + the sum of w[j] (x[j] - x[16-j]), where the x[j] are as many places newer as it is ahead. */
+U_HOT void K_earlier(const K_memory *m, unsigned oldest, int ahead, REAL *sum)
+{
+    const REAL *x2 = K_row(m, oldest, 2 - ahead), *x14 = K_row(m, oldest, 14 - ahead);
+    const REAL *x3 = K_row(m, oldest, 3 - ahead), *x13 = K_row(m, oldest, 13 - ahead);
+    const REAL *x5 = K_row(m, oldest, 5 - ahead), *x11 = K_row(m, oldest, 11 - ahead);
+    const REAL *x7 = K_row(m, oldest, 7 - ahead), *x9 = K_row(m, oldest, 9 - ahead);
+    const REAL *x15 = K_row(m, oldest, 15 - ahead), *x16 = K_row(m, oldest, 16 - ahead);
+    REAL inner, outer, last;
+    int i;
+    for (i = 0; i < SIZE; i++) {
+        inner = U_WEIGHTS_4 * (x7[i] - x9[i]) + U_WEIGHTS_3 * (x5[i] - x11[i]);
+        outer = U_WEIGHTS_2 * (x3[i] - x13[i]) + U_WEIGHTS_1 * (x2[i] - x14[i]);
+        last = x16[i] + -U_WEIGHTS_0 * x15[i];
+        sum[i] = last + (inner + outer);
+    }
+}
+
+/* The next solution from the polynomial through so many of the latest. */
+U_FN void K_polynomial(const K_memory *m, int points, REAL *sum)
+{
+    U_TABLE REAL reciprocal[U_THROUGH] = { RECIPROCALS };
+    REAL weight = -ONE;
+    const REAL *row;
+    int i, j;
+    for (i = 0; i < SIZE; i++)
+        sum[i] = ZERO;
+    for (j = 1; j <= U_THROUGH && j <= points; j++) {
+        weight = weight * ((REAL)(j - 1 - points) * reciprocal[j - 1]);
+        row = K_row(m, m->oldest, j);
+        for (i = 0; i < SIZE; i++)
+            sum[i] += weight * row[i];
+    }
+}
+
+/* Predicts the next solution. */
+U_FN void K_predict(K_memory *m)
+{
+    const REAL *latest = K_row(m, m->oldest, 1);
+    REAL sum[SIZE];
+    int i;
+    if (m->count < U_WINDOW) {
+        K_polynomial(m, m->count < U_THROUGH ? m->count : U_THROUGH, m->next);
+        return;
+    }
+    K_earlier(m, m->oldest, 0, sum);
+    for (i = 0; i < SIZE; i++)
+        m->next[i] = sum[i] + U_WEIGHTS_0 * latest[i];
+}
+
+U_FN REAL K_weighted(const REAL *weights, const REAL *from, const REAL *to)
+{
+    REAL size = ZERO;
+    int i;
+    for (i = 0; i < SIZE; i++)
+        size += weights[i] * FABS(to[i] - from[i]);
+    return size;
+}
+
+/* Takes one more solution. Where a few of the earlier ones predict it better than all, the others are forgotten. */
+U_FN void K_learn_solution(K_memory *m, const REAL *solution)
+{
+    REAL weights[SIZE], by_few[SIZE], size, off;
+    int i, known;
+    if (m->count == U_WINDOW && K_is_within(m->next, solution, U_SMALL)) {
+        REAL begun[SIZE];
+        K_earlier(m, m->oldest, 1, begun);
+        K_copy(m->ring[m->oldest++ % (unsigned)U_WINDOW], solution);
+        for (i = 0; i < SIZE; i++)
+            m->next[i] = begun[i] + U_WEIGHTS_0 * solution[i];
+        return;
+    }
+//each block
+    size = U_FLOOR;
+    for (i = BEGIN; i < END; i++)
+        size += FABS(solution[i]);
+    for (i = BEGIN; i < END; i++)
+        weights[i] = ONE / size;
+//end
+    off = K_weighted(weights, m->next, solution);
+    known = off <= U_LOST ? m->count : 0;
+    m->count = known < U_WINDOW ? known + 1 : known;
+    if (known > U_LOW) {
+        K_polynomial(m, U_LOW, by_few);
+        if (off > U_SMALL && K_weighted(weights, by_few, solution) < off)
+            m->count = U_LOW;
+    }
+    K_copy(m->ring[m->oldest++ % (unsigned)U_WINDOW], solution);
+    K_predict(m);
+}
+
+/* Whether the next step is likely to need one iteration. */
+U_FN void K_settle(K_memory *m)
+{
+    m->is_ready = m->due > 0 && m->count == U_WINDOW && m->rate <= U_STRONG;
+}
+
+U_FN void K_forget(K_memory *m)
+{
+    m->count = 0;
+    m->due = U_INTERVALS_0;
+    m->interval = U_INTERVALS_0;
+    m->rate = U_STRONG;
+    m->tolerance = U_TOLERANCE_0 * U_EPSILON;
+    m->is_ready = 0;
+}
+
+/* Knows nothing yet. */
+U_FN void K_clear(K_memory *m)
+{
+    int i, j;
+    for (i = 0; i < SIZE; i++) {
+        m->next[i] = ZERO;
+        for (j = 0; j < U_WINDOW; j++)
+            m->ring[j][i] = ZERO;
+    }
+    m->oldest = 0;
+    m->iterations = 0;
+    m->residual = ZERO;
+    K_forget(m);
+}
+
+/* Remembers a step that needed more than one iteration. */
+U_FN void K_learn(K_memory *m, const K_solution *s)
+{
+    m->iterations = s->iterations;
+    m->residual = s->residual;
+    if (s->rate != m->rate) {
+        m->rate = s->rate;
+        m->tolerance = K_tolerance(s->rate);
+    }
+    if (m->due == 0) {
+        m->due = m->interval;
+        m->interval = 4 * m->interval < U_INTERVALS_1 ? 4 * m->interval : U_INTERVALS_1;
+    } else {
+        m->due--;
+    }
+    K_learn_solution(m, s->unknown);
+    K_settle(m);
+}
+
+/* Where the search for a solution begins. */
+U_FN void K_guess(const K_equation *q, const K_memory *m, REAL *guess)
+{
+    if (m->count == 0)
+        K_start(q, guess);
+//if update
+    else if (m->due == 0)
+        K_copy(guess, K_row(m, m->oldest, 1));
+//end
+    else
+        K_copy(guess, m->next);
+}
+
+//if update
+/* ---- Fixed-point iterations, as long as they contract strongly. ---- */
+
+/* A rate of contraction from two changes, one after the other. */
+U_FN REAL K_rate(REAL last, REAL now)
+{
+    return S_clamped(now / last, LEAST_RATE, ONE);
+}
+
+/* From a guess; `first` is where the first iteration led to, if it was made. */
+U_FN void K_iterate(const K_equation *q, const K_memory *m, const REAL *guess, const REAL *first, K_solution *s)
+{
+    REAL sharp_last = ONE, sharp_now = m->rate, last = U_FAR, now, most;
+    REAL next[SIZE];
+    int round = 0, again = 1, is_last;
+    K_copy(s->unknown, guess);
+    s->solved = 0;
+    s->iterations = 0;
+    s->residual = ZERO;
+    if (first) {
+        K_copy(s->unknown, first);
+        round = 1;
+        s->iterations = 1;
+        last = K_change(guess, first);
+        s->solved = K_is_within(guess, first, m->tolerance);
+        s->residual = m->tolerance;
+        again = !s->solved;
+    }
+    for (;;) {
+        K_copy(s->point, s->unknown);
+        K_evaluate(q, s->point, &s->evaluation);
+        K_fixed_point_update(q, s->point, &s->evaluation, next);
+        K_copy(s->unknown, next);
+        round++;
+        s->iterations += again;
+        now = K_change(s->point, s->unknown);
+        if (round == 1) {
+            is_last = again && K_is_within(s->point, s->unknown, m->tolerance);
+        } else {
+            if (again && U_SHARP * U_EPSILON < last) {
+                sharp_last = last;
+                sharp_now = now;
+            }
+//if newton
+            most = K_tolerance(K_rate(sharp_last, sharp_now));
+//else
+            most = U_TOLERANCE_2 * U_EPSILON;
+//end
+            is_last = again && (now <= U_TOLERANCE_0 * U_EPSILON || (now <= most && sharp_now <= U_QUICK * sharp_last));
+        }
+        s->solved |= is_last;
+        if (is_last)
+            s->residual = now;
+        again = again && !is_last && now <= U_STRONG * last && round < U_ITERATIONS;
+        if (!again)
+            break;
+        last = now;
+    }
+    s->rate = K_rate(sharp_last, sharp_now);
+    s->residual = s->rate * s->residual;
+}
+
+//end
+/* ---- Newton's method. ---- */
+
+/* Whether Newton's method leads to this solution from the equation's first approximation, too. Where steps are so large that the equation has
+ * several solutions, which of them a step takes must not depend on what is remembered. */
+U_FN int K_is_found_from_start(const K_equation *q, const REAL *solution)
+{
+    REAL start[SIZE], correction[SIZE], away;
+    K_evaluation e;
+    int i;
+    K_start(q, start);
+    away = K_change(start, solution);
+    if (away <= U_NEAR)
+        return 1;
+    K_evaluate(q, start, &e);
+    K_correction(q, start, &e, correction);
+    for (i = 0; i < SIZE; i++)
+        start[i] = start[i] - correction[i];
+    return K_change(start, solution) <= U_TOWARDS * away;
+}
+
+/* From a guess on, which is one from `elsewhere` if the equation's own first approximation may lead to another solution. */
+U_FN void K_newton(const K_equation *q, const REAL *from, int elsewhere, REAL rate, K_solution *s)
+{
+    REAL correction[SIZE], last = U_FAR, moved = ONE, now;
+    int i, round = 0, done, stalls;
+    REAL rounding[SIZE];
+    K_copy(s->point, from);
+    s->iterations = 0;
+    s->rate = rate;
+    for (;;) {
+        K_evaluate(q, s->point, &s->evaluation);
+        now = K_relative(s->evaluation.residual, s->evaluation.right);
+        done = K_is_rounding(now, moved);
+        s->residual = now;
+        stalls = !done && !(now <= U_PROGRESS * last);
+        if (stalls) {
+            K_roundoff(q, s->point, rounding);
+            done = K_is_below(s->evaluation.residual, rounding);
+            s->residual = U_EPSILON * K_relative(s->evaluation.residual, rounding);
+        }
+        if (done || stalls || round >= U_REGULAR)
+            break;
+        K_correction(q, s->point, &s->evaluation, correction);
+        last = now;
+        moved = K_relative(correction, s->point);
+        for (i = 0; i < SIZE; i++)
+            s->point[i] = s->point[i] - correction[i];
+        round++;
+        s->iterations++;
+    }
+    s->solved = done && (!elsewhere || K_is_found_from_start(q, s->point));
+    K_copy(s->unknown, s->point);
+}
+
+/* ---- What is done for a step that neither iterations nor Newton's method solve, from nothing that is remembered. ---- */
+
+/* A solution, what is left of its terms, and how many evaluations it took. */
+typedef struct {
+    REAL unknown[SIZE], residual;
+    int evaluations;
+} K_rescued;
+
+/* The equation, and Newton's correction: for the residual there, or for the one that is given. */
+U_FN void K_corrected(const K_equation *q, const REAL *unknown, const REAL *residual, K_evaluation *e, REAL *correction)
+{
+    K_evaluate(q, unknown, e);
+    if (residual)
+        K_copy(e->residual, residual);
+    K_correction(q, unknown, e, correction);
+}
+
+/* Whether two solutions are one, but for what rounding leaves of the residual. */
+U_FN int K_is_same(const K_equation *q, const REAL *a, const REAL *b)
+{
+    REAL rounding[SIZE], bound[SIZE];
+    K_evaluation e;
+    int i;
+    K_roundoff(q, a, rounding);
+    K_corrected(q, a, rounding, &e, bound);
+    for (i = 0; i < SIZE; i++) {
+        bound[i] = U_ROUNDINGS * FABS(bound[i]) + U_APART * FABS(a[i]);
+        rounding[i] = a[i] - b[i];
+    }
+    return K_is_below(rounding, bound);
+}
+
+/* Whether a residual is what rounding leaves of its terms, and what is left of them. */
+U_FN int K_is_solved(const K_equation *q, const REAL *residual, const REAL *unknown, REAL *left)
+{
+    REAL rounding[SIZE];
+    K_roundoff(q, unknown, rounding);
+    *left = U_EPSILON * K_relative(residual, rounding);
+    return K_is_below(residual, rounding);
+}
+
+/* Newton's method with corrections that are halved where the residual does not become smaller; and whether none was. */
+U_FN S_status K_damped(const K_equation *q, const REAL *start, K_rescued *to, int *is_direct)
+{
+    REAL terms[SIZE], trial[SIZE], correction[SIZE], newest[SIZE];
+    K_evaluation e;
+    double smallest = U_LARGEST_DOUBLE, scale = 1, now;
+    int i, evaluations, is_first = 1;
+    *is_direct = 0;
+    K_roundoff(q, start, terms);
+    if (!K_are_finite(terms)) {
+        K_corrected(q, start, 0, &e, newest);
+        return S_is_finite(K_relative(e.residual, e.right)) ? U_NO_SOLUTION : U_NOT_FINITE;
+    }
+    *is_direct = 1;
+    K_copy(to->unknown, start);
+    K_copy(trial, start);
+    K_copy(correction, start);
+    for (evaluations = 1; evaluations <= U_DAMPED; evaluations++) {
+        K_corrected(q, trial, 0, &e, newest);
+        now = (double)K_relative(e.residual, terms);
+        if (K_is_solved(q, e.residual, trial, &to->residual)) {
+            K_copy(to->unknown, trial);
+            to->evaluations = evaluations;
+            return U_OK;
+        }
+        if (is_first ? now <= U_LARGEST_DOUBLE : now < smallest) {
+            K_copy(to->unknown, trial);
+            K_copy(correction, newest);
+            smallest = now;
+            scale = 1;
+            is_first = 0;
+            if (!S_is_finite(K_relative(correction, to->unknown))) {
+                *is_direct = 0;
+                return U_SINGULAR_JACOBIAN;
+            }
+        } else {
+            scale = 0.5 * scale;
+            *is_direct = 0;
+            if (!(scale > U_SHORTEST))
+                return U_NO_SOLUTION;
+        }
+        for (i = 0; i < SIZE; i++)
+            trial[i] = to->unknown[i] + (REAL)-scale * correction[i];
+    }
+    *is_direct = 0;
+    return U_NO_CONVERGENCE;
+}
+
+/* The solution to which Newton's method leads from there, after so many evaluations; whether there is one. */
+U_FN int K_led(const K_equation *q, const REAL *from, int before, int is_part, int is_wandering, K_rescued *to)
+{
+    REAL correction[SIZE], less[SIZE];
+    K_evaluation e;
+    double last = 0, moves;
+    int i, evaluations;
+    K_copy(to->unknown, from);
+    for (evaluations = 1; evaluations <= U_WANDERING; evaluations++) {
+        K_corrected(q, to->unknown, 0, &e, correction);
+        if (K_is_solved(q, e.residual, to->unknown, &to->residual)) {
+            for (i = 0; i < SIZE; i++)
+                less[i] = to->unknown[i] - from[i];
+            to->evaluations = before + evaluations;
+            return !is_part || (double)K_relative(less, to->unknown) <= U_STRIDE;
+        }
+        moves = (double)K_relative(correction, to->unknown);
+        if (!((evaluations == 1 ? moves <= U_LARGEST_DOUBLE : moves < last) || moves <= U_ON_THE_WAY
+              || (is_wandering && moves <= U_LARGEST_DOUBLE)))
+            return 0;
+        for (i = 0; i < SIZE; i++)
+            to->unknown[i] = to->unknown[i] - correction[i];
+        last = moves;
+    }
+    return 0;
+}
+
+/* The solution by continuation: of equations whose residuals at the first approximation are ever smaller parts of what it is there. */
+U_FN int K_continued(const K_equation *q, const REAL *start, int parts, int is_wandering, K_rescued *to)
+{
+    REAL first[SIZE], unknown[SIZE], correction[SIZE], residual[SIZE];
+    K_evaluation e;
+    double last, moves, left;
+    int i, part, is_first, evaluations = 1;
+    K_evaluate(q, start, &e);
+    K_copy(first, e.residual);
+    K_copy(unknown, start);
+    for (part = 1; part < parts; part++) {
+        left = 1.0 - (double)part / (double)parts;
+        last = 0;
+        is_first = 1;
+        do {
+            K_evaluate(q, unknown, &e);
+            for (i = 0; i < SIZE; i++)
+                residual[i] = e.residual[i] + (REAL)-left * first[i];
+            K_corrected(q, unknown, residual, &e, correction);
+            moves = (double)K_relative(correction, unknown);
+            evaluations++;
+            if (!((is_first ? moves <= U_LARGEST_DOUBLE : moves < last) || moves <= U_ON_THE_WAY)
+                || evaluations > U_EVALUATIONS * parts)
+                return 0;
+            for (i = 0; i < SIZE; i++)
+                unknown[i] = unknown[i] - correction[i];
+            last = moves;
+            is_first = 0;
+        } while (!(moves <= U_ON_THE_WAY));
+    }
+    return K_led(q, unknown, evaluations, parts > 1, is_wandering, to);
+}
+
+/* By the coarsest of paths that leads somewhere, each in so many times as many parts. */
+U_FN int K_by_path(const K_equation *q, const REAL *start, int times, int is_wandering, K_rescued *to)
+{
+    return K_continued(q, start, times * U_PARTS_0, is_wandering, to) || K_continued(q, start, times * U_PARTS_1, is_wandering, to)
+        || K_continued(q, start, times * U_PARTS_2, is_wandering, to) || K_continued(q, start, times * U_PARTS_3, is_wandering, to);
+}
+
+/* The solution to which Newton's method and a path in many parts both lead, wherever corrections lead between. */
+U_FN int K_agreed(const K_equation *q, const REAL *start, K_rescued *to)
+{
+    K_rescued continued;
+    return K_led(q, start, 0, 0, 1, to) && K_by_path(q, start, 4, 1, &continued) && K_is_same(q, to->unknown, continued.unknown);
+}
+
+U_COLD S_status K_rescue(const K_equation *q, K_rescued *to)
+{
+    REAL start[SIZE];
+    K_rescued continued;
+    S_status status;
+    int is_direct;
+    K_start(q, start);
+    status = K_damped(q, start, to, &is_direct);
+    if (status == U_OK && is_direct)
+        return U_OK;
+    if (K_by_path(q, start, 1, 0, &continued)) {
+        if (status == U_OK && !K_is_same(q, to->unknown, continued.unknown))
+            return K_agreed(q, start, to) ? U_OK : U_SEVERAL_SOLUTIONS;
+        *to = continued;
+        return U_OK;
+    }
+    if (status == U_OK || K_agreed(q, start, to))
+        return U_OK;
+    return status;
+}
+
+/* ---- A step. ---- */
+
+/* Where a step leads to from the solution of its equation; whether nothing is wrong. */
+U_FN int K_accept(const K_equation *q, const K_solution *s, int given, S_state *next, int *inside)
+{
+    K_finish(q, s->unknown, &s->evaluation, next);
+//if domain
+    *inside = K_domain(q, s->unknown, &s->evaluation) > 0;
+//else
+    *inside = 1;
+//end
+    return s->solved && *inside && given && S_state_is_finite(next);
+}
+
+/* A step, with all that can happen. The state is `known` if it is the one that the last step led to; `first` is where a first iteration led to. */
+SLOW S_status K_slow(const K_constants *k, K_memory *m, const S_state *x TIMED_ARGUMENT CONTROL_ARGUMENT, int known, const REAL *first, S_state *next)
+{
+    K_equation q;
+    K_solution s;
+    REAL guess[SIZE], rate;
+    int given, inside, elsewhere;
+    S_status status = U_NO_CONVERGENCE;
+    K_rescued rescued;
+    if (!known)
+        K_forget(m);
+    q.constants = k;
+    q.state = x;
+    K_begin(&q TIMED_CALL CONTROL_CALL);
+    /* what of these is not finite is not finite after the step either */
+    given = GIVEN;
+    K_guess(&q, m, guess);
+    elsewhere = m->count > 0;
+    rate = m->rate;
+//if update
+    if (rate <= U_STRONG || m->due == 0) {
+        K_iterate(&q, m, guess, first, &s);
+        if (s.solved && K_accept(&q, &s, given, next, &inside)) {
+            K_learn(m, &s);
+            return U_OK;
+        }
+        elsewhere = elsewhere && !(rate <= U_STRONG);
+        rate = s.rate;
+    } else {
+        s.solved = 0;
+    }
+    if (!s.solved)
+//else
+    (void)first;
+//end
+        K_newton(&q, guess, elsewhere, rate, &s);
+    if (K_accept(&q, &s, given, next, &inside)) {
+        K_learn(m, &s);
+        return U_OK;
+    }
+    if (!given || !S_state_is_finite(x)) {
+        K_forget(m);
+        return U_NOT_FINITE;
+    }
+    status = K_rescue(&q, &rescued);
+    s.solved = status == U_OK;
+    if (s.solved) {
+        K_copy(s.unknown, rescued.unknown);
+        s.residual = rescued.residual;
+        s.iterations = rescued.evaluations;
+    }
+    K_copy(s.point, s.unknown);
+    K_evaluate(&q, s.point, &s.evaluation);
+    if (K_accept(&q, &s, given, next, &inside)) {
+        K_learn(m, &s);
+        return U_OK;
+    }
+    K_forget(m);
+    if (!s.solved)
+        return status;
+    return inside ? U_NOT_FINITE : U_OUTSIDE_DOMAIN;
+}
+
+//if update
+/* What goes on from one step to the next on the fast path. */
+typedef struct {
+    REAL next[SIZE];
+    unsigned oldest;
+} K_path;
+
+/* A step as nearly all are: one iteration, from where the solutions before it point, changes the unknown by little, and everything is finite.
+ * Else nothing has changed: 1 where there was an iteration, which led to `unknown`, 2 where it leads nowhere. */
+U_HOT int K_fast(const K_constants *k, K_memory *m, K_path *path, const S_state *x TIMED_ARGUMENT CONTROL_ARGUMENT, REAL *unknown, S_state *next)
+{
+    K_equation q;
+    K_evaluation e;
+    REAL then[SIZE];
+    int i;
+    q.constants = k;
+    q.state = x;
+    K_begin(&q TIMED_CALL CONTROL_CALL);
+    K_evaluate(&q, path->next, &e);
+    K_fixed_point_update(&q, path->next, &e, unknown);
+    if (!K_is_within(path->next, unknown, m->tolerance))
+        return 1;
+    /* before what follows from this solution, for the next step waits for it */
+    K_earlier(m, path->oldest, 1, then);
+    for (i = 0; i < SIZE; i++)
+        then[i] = then[i] + U_WEIGHTS_0 * unknown[i];
+    K_finish(&q, unknown, &e, next);
+//if domain
+    if (!(K_domain(&q, unknown, &e) > 0))
+        return 2;
+//end
+    if (!(ZERO * (SURELY) <= ZERO))
+        return 2;
+    K_copy(m->ring[path->oldest % (unsigned)U_WINDOW], unknown);
+    path->oldest++;
+    K_copy(path->next, then);
+    return 0;
+}
+
+U_HOT void K_enter(const K_memory *m, K_path *path)
+{
+    K_copy(path->next, m->next);
+    path->oldest = m->oldest;
+}
+
+/* Remembers so many steps that were on the fast path. */
+U_HOT void K_leave(K_memory *m, const K_path *path, int steps)
+{
+    K_copy(m->next, path->next);
+    m->oldest = path->oldest;
+    m->due -= steps;
+    m->is_ready = m->is_ready && m->due > 0;
+    if (steps > 0) {
+        m->iterations = 1;
+        m->residual = m->rate * m->tolerance;
+    }
+}
+
+//end
+U_HOT S_status K_advance(const K_constants *k, K_memory *m, const S_state *x TIMED_ARGUMENT CONTROL_ARGUMENT, int known, S_state *next)
+{
+//if update
+    if (known && m->is_ready) {
+        K_path path;
+        REAL unknown[SIZE];
+        int ended;
+        K_enter(m, &path);
+        ended = K_fast(k, m, &path, x TIMED_CALL CONTROL_CALL, unknown, next);
+        K_leave(m, &path, !ended);
+        if (!ended)
+            return U_OK;
+        return K_slow(k, m, x TIMED_CALL CONTROL_CALL, known, ended == 1 ? unknown : 0, next);
+    }
+//end
+    return K_slow(k, m, x TIMED_CALL CONTROL_CALL, known, 0, next);
+}
+
