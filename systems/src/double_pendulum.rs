@@ -30,6 +30,7 @@ use serde::{Deserialize, Serialize};
         kinetic - potential
     },
     methods(Midpoint),
+    taylor,
     units(first_momentum = "kg m²/s", second_momentum = "kg m²/s"),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

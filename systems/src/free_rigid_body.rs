@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
     group = SO3,
     methods(Midpoint, Family(1, 4), TangentLift, TangentMidpoint, HamiltonJacobi(6)),
     retractions(Exponential, Cayley, SecondKind),
+    taylor,
     units(momentum = "kg m²/s"),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

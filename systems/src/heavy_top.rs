@@ -20,6 +20,7 @@ use serde::{Deserialize, Serialize};
     potential = weight * gamma.dot(&chi),
     methods(Midpoint),
     retractions(Exponential, Cayley, SecondKind),
+    taylor,
     units(momentum = "kg m²/s"),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

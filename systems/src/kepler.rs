@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
     group = R3,
     potential = -attraction * mass / position.norm(),
     methods(Midpoint),
+    taylor,
     units(position = "m", momentum = "kg m/s"),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

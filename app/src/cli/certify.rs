@@ -189,7 +189,9 @@ mod tests {
     #[test]
     fn claims_that_fail_at_a_kink_are_explained() {
         let arguments = CertifyArguments {
-            system: "rubbing".to_owned(),
+            system: Some("rubbing".to_owned()),
+            described: Default::default(),
+            set: Vec::new(),
             method: None,
             retraction: None,
             output: OutputMode::default(),

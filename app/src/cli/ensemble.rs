@@ -87,7 +87,7 @@ pub(crate) fn described(
 ) -> Result<(), Error> {
     let EnsembleArguments { scheme, motion, members, spread, seed, quantity, .. } = arguments;
     let entry = arguments.described.system(catalogue, arguments.system.as_deref())?;
-    check_scheme(scheme.method, scheme.order, scheme.retraction)?;
+    check_scheme(scheme.method()?, scheme.order, scheme.retraction)?;
     let described = Motion::of(Changes::of(entry), scheme, true, motion, console)?;
     again.map_or(Ok(()), |made| made.check_digits(entry, &described.setup, &described.job))?;
     let every = arguments.every.unwrap_or(Members::every(described.job.steps));
@@ -234,7 +234,7 @@ fn report(
 ) -> Result<(), Error> {
     let EnsembleSummary { drawn, failed, member_steps, width, seconds, .. } = summary;
     let Job { method, retraction, .. } = spec.job;
-    let retraction = if method.classical().is_some() { "" } else { retraction.name() };
+    let retraction = if method.has_retraction() { retraction.name() } else { "" };
     writeln!(words, "scheme: {method} {retraction}, order {}", spec.job.order_of_step(entry))?;
     for (i, drawn) in drawn.iter().enumerate() {
         let title = if i == 0 { "drawn: " } else { "       " };

@@ -12,7 +12,7 @@ use crate::catalogue::{Catalogue, Entry, Input, Interpolation};
 use crate::error::{Error, FileError, SetupError};
 use crate::files::path::read_file;
 use crate::setup::config::{Config, RunConfig};
-use crate::setup::{Changes, Job, Method, MethodParser, Order, Retraction, Setup};
+use crate::setup::{Changes, Job, Method, MethodParser, Order, Retraction, Setup, Tolerance};
 use crate::simulate::usual_method;
 use crate::units::rounded;
 
@@ -64,6 +64,25 @@ pub(crate) struct SchemeArguments {
     /// 2, or 4, 6, 8, 10: from one equation, or composed of steps of order 2 [default: 2]
     #[arg(long, value_enum)]
     pub(crate) order: Option<Order>,
+    /// Taylor steps to this tolerance: the same as `--method taylor=1e-12`
+    ///
+    /// They are as long as the tolerance allows, and as many as there need be between the times of `--step`.
+    #[arg(long, value_name = "TOLERANCE", conflicts_with = "method")]
+    pub(crate) tolerance: Option<f64>,
+}
+
+impl SchemeArguments {
+    /// The method that is asked for.
+    ///
+    /// # Errors
+    /// If the tolerance is none.
+    pub(crate) fn method(&self) -> Result<Option<Method>, SetupError> {
+        let Some(asked) = self.tolerance else { return Ok(self.method) };
+        let tolerance = Tolerance::new(asked).ok_or_else(|| {
+            SetupError::new(format!("a tolerance is between 0 and 1, such as 1e-12, not {asked}"))
+        })?;
+        Ok(Some(Method::Taylor(tolerance)))
+    }
 }
 
 /// The arguments of every motion.
@@ -138,8 +157,9 @@ impl ChosenRun {
         let run = config.run;
         let scheme = SchemeArguments {
             retraction: self.scheme.retraction.or(run.retraction),
-            method: self.scheme.method.or(run.method),
+            method: self.scheme.method()?.or(run.method),
             order: self.scheme.order.or(run.order),
+            tolerance: None,
         };
         let (step, duration) = (self.motion.step.or(run.step), self.motion.duration.or(run.duration));
         let asked = MotionArguments { step, duration, ..self.motion.clone() };
@@ -211,7 +231,7 @@ impl<'e> Motion<'e> {
             true => Method::Standard,
             false => usual_method(entry, retraction, order),
         };
-        let method = scheme.method.unwrap_or_else(|| usual(is_ensemble));
+        let method = scheme.method()?.unwrap_or_else(|| usual(is_ensemble));
         let job = Job { method, retraction, order, step, steps, rest };
         if let Some(file) = &asked.input {
             let text = text(file).map_err(FileError::read(file))?;
@@ -235,12 +255,15 @@ pub(crate) fn check_scheme(
     order: Option<Order>,
     retraction: Option<Retraction>,
 ) -> Result<(), SetupError> {
-    let Some((method, classical)) = method.and_then(|method| Some((method, method.classical()?))) else {
+    let Some(method) = method.filter(|method| !method.has_retraction()) else {
         return Ok(());
     };
     if order.is_some() {
-        let own = classical.order();
-        let reason = format!("`--order` composes steps of ours; method {method} has its own order, {own}");
+        let own = match method.classical() {
+            Some(classical) => format!("its own order, {}", classical.order()),
+            None => "the order that its tolerance needs".to_owned(),
+        };
+        let reason = format!("`--order` composes steps of ours; method {method} has {own}");
         return Err(SetupError::new(reason));
     }
     if retraction.is_some() {

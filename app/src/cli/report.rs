@@ -141,9 +141,9 @@ pub fn table(entry: &Entry, runs: &[RunSummary]) -> String {
         rows.push(std::iter::once(name.to_owned()).chain(runs.iter().map(cell)).collect());
     };
     let of = |energy: &str| with_unit(energy, entry.energy_unit);
-    row("retraction", &|run| match run.job.method.classical() {
-        None => run.job.retraction.name().to_owned(),
-        Some(_) => "–".to_owned(),
+    row("retraction", &|run| match run.job.method.has_retraction() {
+        true => run.job.retraction.name().to_owned(),
+        false => "–".to_owned(),
     });
     row("method", &|run| match run.job.method {
         Method::Standard => format!("standard ({})", standard(entry, run.job.retraction)),
@@ -159,7 +159,9 @@ pub fn table(entry: &Entry, runs: &[RunSummary]) -> String {
         (Some(time), None) => format!("{time:.0}"),
         (Some(time), Some(_)) => format!("{time:.0} (generic)"),
     });
-    row("iterations per step", &|run| format!("{:.2}", run.report.iterations_per_step()));
+    let is_taylor = |run: &RunSummary| matches!(run.job.method, Method::Taylor(_));
+    let iterations = if runs.iter().all(is_taylor) { "Taylor steps per step" } else { "iterations per step" };
+    row(iterations, &|run| format!("{:.2}", run.report.iterations_per_step()));
     let start = |run: &RunSummary| figures(run.conservation.energy.initial + 0.0, 4);
     row(&of("energy at the start"), &start);
     let error = match runs.iter().all(|run| run.conserves_energy) {

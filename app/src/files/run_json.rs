@@ -229,7 +229,7 @@ impl Provenance {
             if job.order != Order::Two {
                 stem += &format!("-order{}", job.order.number());
             }
-            if job.method.classical().is_none() {
+            if job.method.has_retraction() {
                 stem += &format!("-{}", job.retraction.name());
             }
         }

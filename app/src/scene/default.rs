@@ -159,7 +159,7 @@ mod tests {
         let top = catalogue().system("heavy_top").expect("it is there");
         let checked = |scene: fn(&[f64], Scene) -> Scene| {
             let mut entry = top.clone();
-            entry.scene = scene;
+            entry.scene = std::sync::Arc::new(scene);
             check(&entry, &top.example.parameters).map_err(|error| error.to_string())
         };
         assert_eq!(checked(|_, by_state| by_state.bob(0, 1.0).weight(0, 1.0, Vector3::zeros())), Ok(()));

@@ -36,8 +36,30 @@ pub enum Method {
     /// The tangent lift with `s = numerator/denominator`, in lowest terms, where it was generated: of order 1, with `s
     /// = ½` of order 2, and not symplectic; explicit with `s = 0`.
     TangentLift(u32, u32),
+    /// Taylor steps to a tolerance, as many as there need be from one end of a step to the next, where the description has
+    /// the key `taylor`.
+    Taylor(Tolerance),
     /// A classical method, for comparison.
     Classical(Classical),
+}
+
+/// A tolerance, between 0 and 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tolerance(u64);
+
+impl Tolerance {
+    /// That of `taylor` alone, `1e-12`.
+    const USUAL: Self = Self(1e-12_f64.to_bits());
+
+    /// Its value, if it is one.
+    pub fn new(tolerance: f64) -> Option<Self> {
+        (tolerance > 0.0 && tolerance < 1.0).then_some(Self(tolerance.to_bits()))
+    }
+
+    /// Its value.
+    pub fn value(self) -> f64 {
+        f64::from_bits(self.0)
+    }
 }
 
 /// Declares classical methods: their names on the command line, and their coefficients.
@@ -130,6 +152,7 @@ impl Method {
     fn named() -> impl Iterator<Item = Method> {
         let ours = Self::COMMON.into_iter().chain([
             Method::HamiltonJacobi,
+            Method::Taylor(Tolerance::USUAL),
             Method::RightLift,
             Method::TangentLift(0, 1),
         ]);
@@ -171,10 +194,15 @@ impl Method {
         }
     }
 
+    /// Whether its steps are made with a retraction, and have an order to be chosen.
+    pub fn has_retraction(self) -> bool {
+        !matches!(self, Method::Taylor(_) | Method::Classical(_))
+    }
+
     /// Whether its steps are symplectic, so that errors of what is conserved stay bounded for long.
     pub(crate) fn keeps_structure(self) -> bool {
         match self {
-            Method::TangentLift(..) => false,
+            Method::TangentLift(..) | Method::Taylor(_) => false,
             Method::Classical(classical) => classical.runge_kutta().is_symplectic(),
             _ => true,
         }
@@ -197,6 +225,10 @@ impl Method {
             Method::HamiltonJacobi => {
                 ("hamilton-jacobi", "order 4 to 10 from one equation, where it was generated")
             }
+            Method::Taylor(_) => (
+                "taylor",
+                "Taylor steps to a tolerance, 1e-12 unless `taylor=1e-9` says another, where they were generated",
+            ),
             Method::RightLift => {
                 ("right-lift", "`euler-a` carrying the momentum in space, where nothing acts")
             }
@@ -240,6 +272,7 @@ impl fmt::Display for Method {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Method::Family(numerator, denominator) => write!(f, "family={numerator}/{denominator}"),
+            Method::Taylor(tolerance) => write!(f, "taylor={:e}", tolerance.value()),
             Method::TangentLift(numerator @ 1.., denominator) => {
                 write!(f, "tangent-lift={numerator}/{denominator}")
             }
@@ -254,6 +287,15 @@ impl FromStr for Method {
     fn from_str(name: &str) -> Result<Self, String> {
         match name.split_once('=') {
             Some((of @ "family", s)) => return fraction(of, s).map(|(n, d)| Self::family(n, d)),
+            Some(("taylor", tolerance)) => {
+                let known = tolerance.trim().parse().ok().and_then(Tolerance::new);
+                let message = || {
+                    format!(
+                        "`taylor={tolerance}`: `{tolerance}` is no tolerance between 0 and 1, as in `taylor=1e-9`"
+                    )
+                };
+                return known.map(Method::Taylor).ok_or_else(message);
+            }
             Some((of @ "tangent-lift", s)) => return fraction(of, s).map(|(n, d)| Method::TangentLift(n, d)),
             _ => {}
         }
@@ -290,7 +332,7 @@ fn possible() -> Vec<PossibleValue> {
     };
     let mut values: Vec<PossibleValue> = Method::named().map(listed).collect();
     // beside the first ones of their kinds
-    values.insert(Method::COMMON.len() + 3, listed(Method::TangentLift(1, 2)));
+    values.insert(Method::COMMON.len() + 4, listed(Method::TangentLift(1, 2)));
     values.insert(Method::COMMON.len(), listed(Method::Family(1, 4)));
     values
 }

@@ -25,7 +25,7 @@ pub(crate) use assign::{Changes, assignments};
 pub use column::Column;
 pub(crate) use expression::{condition, margin, observable, observables};
 pub(crate) use method::MethodParser;
-pub use method::{Classical, Method};
+pub use method::{Classical, Method, Tolerance};
 pub use moments::Moments;
 pub(crate) use moments::{Times, WatchedEvent};
 pub(crate) use names::Names;
@@ -206,6 +206,10 @@ impl Job {
     pub fn order_of_step(&self, entry: &Entry) -> u32 {
         match self.method {
             Method::Classical(classical) => classical.order(),
+            Method::Taylor(tolerance) => {
+                let system = entry.system(&entry.example.parameters);
+                erased::Adaptive::new(system, tolerance.value()).map_or(0, |steps| steps.order() as u32)
+            }
             Method::RightLift => 2,
             Method::HamiltonJacobi => self.order.number(),
             method if method.is_symmetric() => self.order.number(),
@@ -222,7 +226,7 @@ impl Job {
         if self.method != Method::Standard {
             parts.push(self.method.to_string());
         }
-        if self.method.classical().is_none() {
+        if self.method.has_retraction() {
             parts.push(self.retraction.name().to_owned());
         }
         if self.order != Order::Two {

@@ -9,7 +9,7 @@ use super::simulate;
 use crate::catalogue::quantities::rotation;
 use crate::catalogue::{Entry, Setup};
 use crate::error::RunError;
-use crate::setup::Job;
+use crate::setup::{Job, Method, Tolerance};
 use crate::units::{magnitude, rounded};
 
 /// The distance between two states: that of the quantity which differs most.
@@ -66,7 +66,10 @@ impl Distance {
 pub struct ErrorEstimate {
     /// The time for which it holds, s: the beginning of the run.
     pub time: f64,
-    /// The distance of the state there from that of a run with half the step.
+    /// What the second run has: half the step.
+    #[serde(skip)]
+    pub by: &'static str,
+    /// The distance of the state there from that of the second run.
     #[serde(flatten)]
     pub distance: Distance,
 }
@@ -76,11 +79,12 @@ impl ErrorEstimate {
     pub fn words(&self) -> String {
         let time = rounded(self.time.abs());
         if self.distance.distance == 0.0 {
-            return format!("trajectory: half the step leads to the same state after {time} s");
+            return format!("trajectory: {} leads to the same state after {time} s", self.by);
         }
         let error = self.distance.words();
         format!(
-            "trajectory: error of about {error} after {time} s, by a second run with half the step up to there"
+            "trajectory: error of about {error} after {time} s, by a second run with {} up to there",
+            self.by
         )
     }
 }
@@ -104,9 +108,19 @@ pub fn error_estimate(entry: &Entry, setup: &Setup, job: &Job) -> Result<Option<
         return Ok(None);
     }
     let here = end(&Job { steps, rest: 0.0, ..*job })?;
-    let half = end(&Job { step: 0.5 * job.step, steps: 2 * steps, rest: 0.0, ..*job });
-    Ok(half.ok().map(|there| ErrorEstimate {
+    let (better, by) = match job.method {
+        Method::Taylor(tolerance) => {
+            let smaller = Tolerance::new(tolerance.value() / 100.0).unwrap_or(tolerance);
+            (
+                Job { method: Method::Taylor(smaller), steps, rest: 0.0, ..*job },
+                "a hundredth of the tolerance",
+            )
+        }
+        _ => (Job { step: 0.5 * job.step, steps: 2 * steps, rest: 0.0, ..*job }, "half the step"),
+    };
+    Ok(end(&better).ok().map(|there| ErrorEstimate {
         time: steps as f64 * job.step,
+        by,
         distance: Distance::between(entry, [&here, &there], &setup.state),
     }))
 }

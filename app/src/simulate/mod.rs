@@ -5,6 +5,7 @@ mod classical;
 pub mod ensemble;
 mod estimate;
 pub(crate) mod scan;
+mod taylor;
 pub(crate) mod threads;
 mod too_far;
 
@@ -71,7 +72,7 @@ pub fn scheme(method: Method, retraction: Retraction, order: Order) -> Result<Sc
             check_order(method, order)?;
             return Ok(Scheme::Step(map, Rule::HamiltonJacobi(order.number())));
         }
-        Method::RightLift | Method::Classical(_) => return Err(not_certified(method)),
+        Method::RightLift | Method::Taylor(_) | Method::Classical(_) => return Err(not_certified(method)),
     };
     check_order(method, order)?;
     Ok(match order {
@@ -134,6 +135,7 @@ pub(crate) fn stepper(
 ) -> Result<erased::Stepper, RunError> {
     let &Job { method, retraction, order, step, .. } = job;
     let stepper = match method {
+        Method::Taylor(tolerance) => return taylor::stepper(system, tolerance, input.is_some(), step),
         Method::Classical(classical) => {
             check_order(method, order)?;
             classical_stepper(system, classical, input, step)
@@ -361,7 +363,7 @@ pub fn time_per_step(entry: &Entry, setup: &Setup, job: &Job) -> Result<Option<f
     /// Enough to tell nanoseconds, and still short; those of methods that are written to be right, not to be fast, take
     /// longer.
     const STEPS: [u64; 2] = [50_000, 500];
-    let most = STEPS[usize::from(job.method.classical().is_some())];
+    let most = STEPS[usize::from(!job.method.has_retraction())];
     let job = Job { steps: job.steps.min(most), rest: 0.0, ..*job };
     if job.steps == 0 {
         return Ok(None);

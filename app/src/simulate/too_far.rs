@@ -18,7 +18,7 @@ pub(super) fn explained(
     job: &Job,
 ) -> RunError {
     let is_equation = matches!(source.cause, StepError::NoConvergence { .. } | StepError::OutsideDomain);
-    if !is_equation || job.retraction != Retraction::Exponential || job.method.classical().is_some() {
+    if !is_equation || job.retraction != Retraction::Exponential || !job.method.has_retraction() {
         return source.into();
     }
     let quantities = system.description().state;
@@ -44,7 +44,7 @@ pub(super) fn explained(
 pub(crate) fn slowed(entry: &Entry, setup: &Setup, job: &Job, (time, end): (f64, &[f64])) -> Option<String> {
     /// The turn whose hundredth is lost.
     const LOST: f64 = 0.2;
-    let is_cayley = job.retraction == Retraction::Cayley && job.method.classical().is_none();
+    let is_cayley = job.retraction == Retraction::Cayley && job.method.has_retraction();
     if !is_cayley || job.order != Order::Two {
         return None;
     }
