@@ -152,7 +152,8 @@ impl<M: method::Method, const BATCHES: bool> Method<M::Scalar> for ([M::CallSite
 /// A step that a scheme is made of and that was not generated.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error(
-    "no step of the scheme `{scheme}` was generated for `{system}`; `{key}(…)` in its description asks for it"
+    "no step of the scheme `{scheme}` was generated for `{system}`; `{key}{}` in its description asks for it",
+    if *key == "taylor" { "" } else { "(…)" }
 )]
 #[non_exhaustive]
 pub struct NotGenerated {
@@ -160,6 +161,6 @@ pub struct NotGenerated {
     pub scheme: String,
     /// The system's name.
     pub system: &'static str,
-    /// The key of the description that asks for it: `methods`, or `retractions` where it names another one.
+    /// The key of the description that asks for it: `methods`, `retractions` where it names another one, or `taylor`.
     pub key: &'static str,
 }
