@@ -1,9 +1,9 @@
 //! When does a spinning top touch the table? `cargo run --example heavy_top_stops`
 //!
-//! A run ends at the first step after the event. One shorter step from the state before finds the moment itself.
+//! A terminal event ends the run at that moment, within a step.
 
-use coadjoint::Run;
 use coadjoint::prelude::*;
+use coadjoint::{Event, Run};
 
 /// A disc on a stem whose point stays in place; air slows it down: `L' = r × F − friction L` in space.
 #[lie_poisson_system(
@@ -43,28 +43,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let momentum = vector![0.0, 0.0, about * 200.0];
     let mut state = TopState { attitude, momentum, up: attitude.inverse() * Vector3::z() };
 
-    // until the first step after the touch, but at most a minute
-    let step = 1e-3;
-    let mut stepper = top.stepper::<Exponential>(step)?;
-    let (mut now, mut before) = (state, state);
+    // until the rim is at the table, but at most a minute
+    let mut stepper = top.stepper::<Exponential>(1e-3)?;
     let report = Run::new(&mut stepper, &mut state)
-        .each(|tick| (before, now) = (now, *tick.state))
-        .until(|tick| clearance(tick.system, tick.state) < 0.0)
+        .event(Event::falling().terminal(), |state, _| clearance(&top, state), |_| {})
         .to(60.0)?;
     assert!(report.stopped, "it falls within a minute");
+    assert!(clearance(&top, &state).abs() < 1e-12);
 
-    // the part of a step after which the rim is at the table, by bisection
-    let (mut least, mut most) = (0.0, step);
-    for _ in 0..50 {
-        let part = (least + most) / 2.0;
-        now = before;
-        top.stepper::<Exponential>(part)?.step(&mut now)?;
-        if clearance(&top, &now) > 0.0 { least = part } else { most = part }
-    }
-    let time = stepper.time() - step + most;
-    assert!(clearance(&top, &before) > 0.0 && clearance(&top, &state) < 0.0);
-    assert!(clearance(&top, &now).abs() < 1e-12);
-
+    let (time, now) = (stepper.time(), state);
     println!("the rim touches the table after {time:.6} s, in step {}", report.steps);
     println!("leaning by {:.2}°", now.up.z.acos().to_degrees());
     println!("turning about its axis by {:.1} rad/s", now.momentum.z / about);

@@ -88,6 +88,17 @@ pub enum StepError {
         /// The time asked for.
         time: f64,
     },
+    /// Events come ever closer to each other, as those of a ball that bounces and comes to rest, or never stop coming.
+    #[error(
+        "there are more than {most} events within the step, the last one at the time {time}: they come ever closer to each other; let the \
+         callback of one of them stop the run, or hold what moves"
+    )]
+    TooManyEvents {
+        /// As many there may be.
+        most: u32,
+        /// The time of the last one.
+        time: f64,
+    },
     /// The step's equation was not solved in as many iterations as there may be; a smaller step helps.
     #[error(
         "no convergence after {iterations} iterations, relative residual {residual:e}; try a smaller step"

@@ -21,6 +21,7 @@
 //! * … [move a body in space](rigid_motions): `SE3` and `SE2`, angular part first
 //! * … [act on it](forces): forces, controls, control laws
 //! * … [run it](running): to a time, until a condition, with observers, from a snapshot
+//! * … [find events](events), and states between the steps
 //! * … [run many at once](ensembles)
 //! * … [differentiate steps and runs](derivatives): control, estimation, identification
 //! * … [write and read states](storing), and the two orders of a quaternion
@@ -56,6 +57,7 @@ pages![
     rigid_motions,
     forces,
     running,
+    events,
     ensembles,
     derivatives,
     storing,

@@ -81,6 +81,7 @@ mod fused;
 #[cfg(feature = "std")]
 pub mod guide;
 mod inertia;
+mod interval;
 mod kernel;
 mod legendre;
 mod literals;
@@ -217,8 +218,10 @@ pub use compensated::Compensated;
 #[cfg(feature = "std")]
 pub use ensemble::Ensemble;
 pub use error::{ParameterError, StepError};
+pub use event::{Crossing, Event, Occurrence};
 #[cfg(feature = "std")]
 pub use fused::Fused;
+pub use interval::Interval;
 pub use legendre::LegendreError;
 pub use nalgebra;
 #[cfg(feature = "std")]

@@ -37,15 +37,18 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod within;
+
 use core::fmt;
 use core::ops::ControlFlow;
 
 use crate::error::StepError;
+use crate::event::{Event, Occurrence, Samples, Watched, Within};
 use crate::observe::{Each, Every, Observer, Until};
 #[cfg(doc)]
 use crate::stepper::Stepper;
 pub use crate::stepper::report::{RunError, RunReport};
-use crate::stepper::{StepReport, Stepping};
+use crate::stepper::{Inputs, StepReport, Stepping};
 use crate::system::Dynamics;
 pub use crate::tick::Tick;
 
@@ -63,6 +66,18 @@ pub trait ControlLaw<S: Dynamics + ?Sized> {
         most: u64,
         report: &mut RunReport,
     ) -> Result<(StepReport, S::Control), RunError>;
+    /// What acts over the last step, at whose end there was this control.
+    fn input<'a>(&'a mut self, control: &'a S::Control) -> Inputs<'a, S::Control> {
+        Inputs::Held(control)
+    }
+    /// The control at a time within it.
+    fn at(&mut self, control: &S::Control, _time: f64) -> S::Control {
+        control.clone()
+    }
+    /// Whether another control can be held, until there is another one by itself.
+    const IS_HELD: bool = true;
+    /// Holds it.
+    fn hold(&mut self, control: &S::Control);
 }
 
 /// The same control at all times.
@@ -80,6 +95,10 @@ impl<S: Dynamics + ?Sized> ControlLaw<S> for Constant<S::Control> {
         report: &mut RunReport,
     ) -> Result<(StepReport, S::Control), RunError> {
         held(stepper, state, self.0.clone(), most, report)
+    }
+
+    fn hold(&mut self, control: &S::Control) {
+        self.0 = control.clone();
     }
 }
 
@@ -117,6 +136,10 @@ where
         self.held = Some(control.clone());
         held(stepper, state, control, most.min(self.interval - since), report)
     }
+
+    fn hold(&mut self, control: &S::Control) {
+        self.held = Some(control.clone());
+    }
 }
 
 /// An input that is a function of time.
@@ -136,6 +159,18 @@ impl<S: Dynamics + ?Sized, F: FnMut(f64) -> S::Control> ControlLaw<S> for Driven
         let step = counted(stepper, step, report)?;
         Ok((step, (self.0)(stepper.time())))
     }
+
+    fn input<'a>(&'a mut self, _: &'a S::Control) -> Inputs<'a, S::Control> {
+        Inputs::Driven(&mut self.0)
+    }
+
+    fn at(&mut self, _: &S::Control, time: f64) -> S::Control {
+        (self.0)(time)
+    }
+
+    const IS_HELD: bool = false;
+
+    fn hold(&mut self, _: &S::Control) {}
 }
 
 /// Takes steps over which a control is held; all but the last one together.
@@ -184,17 +219,23 @@ type ControlOf<T> = <<T as Stepping>::System as Dynamics>::Control;
 /// How the last step went, and the control held over it; none before the first.
 type Last<S> = Option<(StepReport, <S as Dynamics>::Control)>;
 
+/// A run within whose steps there is one thing more to be done.
+#[doc(hidden)]
+pub type Doing<'a, T, O, C, W, X> = Run<'a, T, O, C, (W, X)>;
+
 /// A run to be made: a stepper, a state to start from, who watches, and who controls.
 ///
 /// The observers see the initial state and the state after every step, in the order in which they were added.
 #[must_use = "a run starts with `steps`"]
-pub struct Run<'a, T: Stepping + ?Sized, O = (), C = Constant<ControlOf<T>>> {
+pub struct Run<'a, T: Stepping + ?Sized, O = (), C = Constant<ControlOf<T>>, W = ()> {
     stepper: &'a mut T,
     state: &'a mut StateOf<T>,
     /// None to go on at the stepper's own.
     start: Option<f64>,
     observer: O,
     law: C,
+    /// What is done within the steps.
+    within: W,
 }
 
 impl<'a, T: Stepping + ?Sized> Run<'a, T> {
@@ -202,15 +243,16 @@ impl<'a, T: Stepping + ?Sized> Run<'a, T> {
     /// counted on, and the ticks of several runs are those of one that was not interrupted. A new stepper is at time 0.
     pub fn new(stepper: &'a mut T, state: &'a mut StateOf<T>) -> Self {
         let law = Constant(stepper.system().no_control());
-        Self { stepper, state, start: None, observer: (), law }
+        Self { stepper, state, start: None, observer: (), law, within: () }
     }
 }
 
-impl<'a, S: Dynamics + ?Sized, T, O, C> Run<'a, T, O, C>
+impl<'a, S: Dynamics + ?Sized, T, O, C, W> Run<'a, T, O, C, W>
 where
     T: Stepping<System = S> + ?Sized,
     O: Observer<S>,
     C: ControlLaw<S>,
+    W: Within<S>,
 {
     /// Starts at this time instead of the stepper's, with index 0.
     pub fn starting_at(mut self, time: f64) -> Self {
@@ -221,16 +263,16 @@ where
     /// Holds `control` over the whole run. Without it all controls are zero; of several laws and inputs the last one counts.
     ///
     /// Steps that no observer needs are taken [together](crate::Stepper::steps_with).
-    pub fn with_control(self, control: S::Control) -> Run<'a, T, O, Constant<S::Control>> {
-        let Self { stepper, state, start, observer, .. } = self;
-        Run { stepper, state, start, observer, law: Constant(control) }
+    pub fn with_control(self, control: S::Control) -> Run<'a, T, O, Constant<S::Control>, W> {
+        let Self { stepper, state, start, observer, within, .. } = self;
+        Run { stepper, state, start, observer, law: Constant(control), within }
     }
 
     /// Asks `law` before each step, with the state and the time from which it starts, for the control to be held over it.
     ///
     /// A control that is held is a step function: if the law is a continuous function, the motion follows it to order 1, whatever the order
     /// of the scheme. What depends on time alone is better [driven](Self::driven_by).
-    pub fn controlled_by<F>(self, law: F) -> Run<'a, T, O, Feedback<F, S::Control>>
+    pub fn controlled_by<F>(self, law: F) -> Run<'a, T, O, Feedback<F, S::Control>, W>
     where
         F: FnMut(&S::State, f64) -> S::Control,
     {
@@ -263,12 +305,13 @@ where
     /// assert!(state.position.norm() < 1e-5);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn controlled_every<F>(self, interval: u64, law: F) -> Run<'a, T, O, Feedback<F, S::Control>>
+    pub fn controlled_every<F>(self, interval: u64, law: F) -> Run<'a, T, O, Feedback<F, S::Control>, W>
     where
         F: FnMut(&S::State, f64) -> S::Control,
     {
-        let Self { stepper, state, start, observer, .. } = self;
-        Run { stepper, state, start, observer, law: Feedback { law, interval: interval.max(1), held: None } }
+        let Self { stepper, state, start, observer, within, .. } = self;
+        let law = Feedback { law, interval: interval.max(1), held: None };
+        Run { stepper, state, start, observer, law, within }
     }
 
     /// Drives the run by `input`, a function of time: it is asked in the middle of each step, or of each of the steps that a composition is made of,
@@ -295,24 +338,28 @@ where
     /// assert!((state.position.x - (3.0 - 3.0_f64.sin()) / 2.0).abs() < 1e-9);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn driven_by<F: FnMut(f64) -> S::Control>(self, input: F) -> Run<'a, T, O, Driven<F>> {
-        let Self { stepper, state, start, observer, .. } = self;
-        Run { stepper, state, start, observer, law: Driven(input) }
+    pub fn driven_by<F: FnMut(f64) -> S::Control>(self, input: F) -> Run<'a, T, O, Driven<F>, W> {
+        let Self { stepper, state, start, observer, within, .. } = self;
+        Run { stepper, state, start, observer, law: Driven(input), within }
     }
 
     /// Shows every tick to `observer`; pass it by `&mut` to ask it for its findings afterwards.
-    pub fn observe<P: Observer<S>>(self, observer: P) -> Run<'a, T, (O, P), C> {
-        let Self { stepper, state, start, observer: earlier, law } = self;
-        Run { stepper, state, start, observer: (earlier, observer), law }
+    pub fn observe<P: Observer<S>>(self, observer: P) -> Run<'a, T, (O, P), C, W> {
+        let Self { stepper, state, start, observer: earlier, law, within } = self;
+        Run { stepper, state, start, observer: (earlier, observer), law, within }
     }
 
     /// Shows ticks 0, `interval`, 2 `interval`, … to `observer`; an interval of 0 counts as 1.
-    pub fn observe_every<P: Observer<S>>(self, interval: u64, observer: P) -> Run<'a, T, (O, Every<P>), C> {
+    pub fn observe_every<P: Observer<S>>(
+        self,
+        interval: u64,
+        observer: P,
+    ) -> Run<'a, T, (O, Every<P>), C, W> {
         self.observe(Every::new(interval, observer))
     }
 
     /// Calls `action` at every tick.
-    pub fn each<F: FnMut(&Tick<'_, S>)>(self, action: F) -> Run<'a, T, (O, Each<F>), C> {
+    pub fn each<F: FnMut(&Tick<'_, S>)>(self, action: F) -> Run<'a, T, (O, Each<F>), C, W> {
         self.observe(Each(action))
     }
 
@@ -321,16 +368,112 @@ where
         self,
         interval: u64,
         action: F,
-    ) -> Run<'a, T, (O, Every<Each<F>>), C> {
+    ) -> Run<'a, T, (O, Every<Each<F>>), C, W> {
         self.observe_every(interval, Each(action))
     }
 
     /// Ends the run at the first tick for which `condition` holds.
-    pub fn until<F: FnMut(&Tick<'_, S>) -> bool>(self, condition: F) -> Run<'a, T, (O, Until<F>), C> {
+    pub fn until<F: FnMut(&Tick<'_, S>) -> bool>(self, condition: F) -> Run<'a, T, (O, Until<F>), C, W> {
         self.observe(Until(condition))
     }
 
-    /// Takes `count` steps, fewer if an observer ends the run.
+    /// Calls `action` whenever `condition`, a function of state and time, is zero: at the moment itself, which is located to rounding, and with the
+    /// state there. `event` says which zeros count, and whether the first of them ends the run.
+    ///
+    /// ```
+    /// use coadjoint::prelude::*;
+    /// use coadjoint::{Event, Run};
+    ///
+    /// /// A pendulum.
+    /// #[lie_poisson_system(group = SO2, potential = -weight * angle.cos_angle())]
+    /// struct Pendulum {
+    ///     #[inertia]
+    ///     inertia: f64,
+    ///     weight: f64,
+    /// }
+    ///
+    /// let mut state = PendulumState { angle: UnitComplex::new(1e-4), momentum: vector![0.0] };
+    /// let mut stepper = Pendulum { inertia: 1.0, weight: 1.0 }.stepper::<Order4<Exponential>>(0.1)?;
+    /// let report = Run::new(&mut stepper, &mut state)
+    ///     .event(Event::any().terminal(), |state, _| state.angle.angle(), |_| {})
+    ///     .to(10.0)?;
+    /// // a quarter of a period
+    /// assert_eq!((report.stopped, report.event), (true, Some(0)));
+    /// assert!((stepper.time() - std::f64::consts::FRAC_PI_2).abs() < 1e-6);
+    /// assert!(state.angle.angle().abs() < 1e-18);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// * What starts at zero is no event; what comes back to it is. A run that goes on from an event does not find it again.
+    /// * Events of one moment are called one after the other, in the order in which they were added. All before a terminal one are called, and
+    ///   none behind it.
+    /// * A [callback](Occurrence) may change state, control and parameters. The rest of the step is then taken from there; steps end
+    ///   where they did. What another condition jumps by then is no event.
+    /// * Observers see the ends of steps, and the end of the run.
+    ///
+    /// Without events within them, steps take no longer. With them each is taken by itself, and its end looked at.
+    pub fn event<G, F>(self, event: Event, condition: G, action: F) -> Doing<'a, T, O, C, W, Watched<G, F>>
+    where
+        G: FnMut(&S::State, f64) -> f64,
+        F: FnMut(&mut Occurrence<'_, S>),
+    {
+        let number = self.within.events();
+        self.doing(Watched::new(number, event, condition, action))
+    }
+
+    /// As [`event`](Self::event), for a list of events, of which there are as many as the program finds out when it runs: each with its condition
+    /// and its callback.
+    #[cfg(feature = "std")]
+    pub fn events<G, F>(
+        self,
+        events: impl IntoIterator<Item = (Event, G, F)>,
+    ) -> Doing<'a, T, O, C, W, std::vec::Vec<Watched<G, F>>>
+    where
+        G: FnMut(&S::State, f64) -> f64,
+        F: FnMut(&mut Occurrence<'_, S>),
+    {
+        let numbered = (self.within.events()..).zip(events);
+        let watched = numbered
+            .map(|(number, (event, condition, action))| Watched::new(number, event, condition, action));
+        let watched = watched.collect();
+        self.doing(watched)
+    }
+
+    /// Shows the states at these times to `observer`, whatever steps are taken: they are those [within](crate::Interval) the steps, which stay as they are.
+    ///
+    /// Times are in the order of the run. Those behind its start, or behind others, are left out, and so are those that it does not reach.
+    ///
+    /// ```
+    /// use coadjoint::prelude::*;
+    /// use coadjoint::{Record, Run};
+    ///
+    /// #[lie_poisson_system(group = SO3)]
+    /// struct Body {
+    ///     #[inertia]
+    ///     inertia: Vector3<f64>,
+    /// }
+    ///
+    /// let mut state = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![0.1, 2.0, 0.1] };
+    /// let mut stepper = Body { inertia: vector![1.0, 2.0, 2.5] }.stepper::<Order4<Cayley>>(0.1)?;
+    /// let mut record = Record::every(1);
+    /// Run::new(&mut stepper, &mut state).save_at([0.0, 0.25, 1.0 / 3.0], &mut record).to(1.0)?;
+    /// assert_eq!(record.times(), [0.0, 0.25, 1.0 / 3.0]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn save_at<I, P>(self, times: I, observer: P) -> Doing<'a, T, O, C, W, Samples<I::IntoIter, P>>
+    where
+        I: IntoIterator<Item = f64>,
+        P: Observer<S>,
+    {
+        self.doing(Samples::new(times.into_iter(), observer))
+    }
+
+    fn doing<X>(self, more: X) -> Doing<'a, T, O, C, W, X> {
+        let Self { stepper, state, start, observer, law, within } = self;
+        Run { stepper, state, start, observer, law, within: (within, more) }
+    }
+
+    /// Takes `count` steps, fewer if an observer or an event ends the run.
     ///
     /// # Errors
     /// If a step cannot be taken; state and stepper's time are then the last ones that were reached.
@@ -429,6 +572,9 @@ where
         after: Option<Last<S>>,
         report: &mut RunReport,
     ) -> Result<Last<S>, RunError> {
+        if const { !W::IS_IDLE } {
+            return self.walk_within(count, after, report);
+        }
         let first = report.steps;
         let mut is_shown = after.is_some();
         let mut last = after.flatten();
@@ -468,7 +614,7 @@ where
     }
 }
 
-impl<T: Stepping + ?Sized, O, C> fmt::Debug for Run<'_, T, O, C> {
+impl<T: Stepping + ?Sized, O, C, W> fmt::Debug for Run<'_, T, O, C, W> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Run")
             .field("system", &self.stepper.system().name())

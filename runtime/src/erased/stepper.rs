@@ -18,7 +18,8 @@ use crate::schemes::Scheme;
 use crate::snapshot::{self, visit_flag};
 use crate::stepper::report::{RunError, RunReport};
 use crate::stepper::stepping::as_by_itself;
-use crate::stepper::{StepReport, Stepping, check_deviation, check_step, trajectory};
+use crate::stepper::{Inputs, StepReport, Stepping, check_deviation, check_step, trajectory};
+use crate::system::Dynamics;
 
 /// Takes steps of one size through the motion of one system, with one scheme: [`Stepper`](crate::Stepper) with its types erased.
 pub struct Stepper {
@@ -455,6 +456,41 @@ impl Stepping for Stepper {
         count: u64,
     ) -> Result<RunReport, RunError> {
         self.steps(state, control, count)
+    }
+
+    fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), ParameterError> {
+        Self::set_parameters(self, parameters)
+    }
+
+    fn step_beside(
+        &self,
+        state: &mut Vec<f64>,
+        (start, length): (f64, f64),
+        input: Inputs<'_, Vec<f64>>,
+    ) -> Result<StepReport, StepError> {
+        check_length(state, self.left.len())?;
+        if self.scheme.is_some() {
+            check_deviation(self.system.deviation(state))?;
+        }
+        let mut method = (self.make)(&self.system, length).ok_or(StepError::NotFinite)?;
+        let mut next = state.clone();
+        let outcome = match input {
+            Inputs::Held(control) => method.advance(state, &mut next, start, control, false),
+            Inputs::Driven(input) => {
+                let mut at = |share: f64| input(start + share * length);
+                let controls = self.system.no_control().len();
+                let mut write = |share: f64, control: &mut [f64]| flat::copy(control, &at(share));
+                method.set_inputs(controls, Some(&mut write));
+                method.advance(state, &mut next, start, &at(0.5), false)
+            }
+        };
+        let Advanced { iterations, residual, .. } = outcome.map_err(|failure| failure.first())?;
+        *state = next;
+        Ok(StepReport { iterations: iterations.iter().sum(), residual })
+    }
+
+    fn go_on_at(&mut self, time: f64, steps: u64) {
+        (self.start, self.taken, self.before, self.has_left) = (time, 0, steps, false);
     }
 }
 

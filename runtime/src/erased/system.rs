@@ -263,6 +263,7 @@ where
 impl Dynamics for dyn System {
     type State = Vec<f64>;
     type Control = Vec<f64>;
+    type Parameters = [f64];
 
     fn name(&self) -> &'static str {
         self.description().name

@@ -149,7 +149,8 @@ mod tests {
 
     #[test]
     fn changes_of_sign_are_closed_in_on() {
-        let functions: [(fn(f64) -> f64, f64); 8] = [
+        type Case = (fn(f64) -> f64, f64);
+        let functions: [Case; 8] = [
             (|x| x - 0.3, 0.3),
             (|x| (x - 0.3).powi(3), 0.3),
             (|x| (x - 0.3).powi(9), 0.3),

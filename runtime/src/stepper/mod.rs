@@ -16,6 +16,8 @@ pub use crate::system::stepper::Stepper;
 pub(crate) use crate::system::stepper::check_step;
 use crate::system::{Control, MethodOf, State, System};
 use report::{RunError, RunReport};
+#[doc(hidden)]
+pub use stepping::Inputs;
 pub use stepping::Stepping;
 pub(crate) use trajectory::trajectory;
 

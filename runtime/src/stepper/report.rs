@@ -13,8 +13,10 @@ use crate::scalar::Real;
 pub struct RunReport {
     /// Steps taken.
     pub steps: u64,
-    /// Whether an observer ended the run, be it at its last step.
+    /// Whether an observer or an event ended the run, be it at its last step.
     pub stopped: bool,
+    /// The event that ended the run, by its number in the order in which events were added, from 0.
+    pub event: Option<usize>,
     /// Iterations of all steps together, fixed-point updates and Newton corrections alike.
     pub iterations: u64,
     /// The most iterations that one step took.
@@ -34,6 +36,7 @@ impl RunReport {
         self.add(&Self {
             steps: 1,
             stopped: false,
+            event: None,
             iterations: u64::from(step.iterations),
             max_iterations: step.iterations,
             max_residual: step.residual,
@@ -46,6 +49,7 @@ impl RunReport {
         self.add(&Self {
             steps: more.steps,
             stopped: false,
+            event: None,
             iterations: more.iterations.as_ref().iter().sum(),
             max_iterations: more.max_iterations.as_ref().iter().sum(),
             max_residual: more.max_residual.to_f64(),

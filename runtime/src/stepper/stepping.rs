@@ -89,6 +89,50 @@ pub trait Stepping {
         control: &<Self::System as Dynamics>::Control,
         count: u64,
     ) -> Result<RunReport, RunError>;
+
+    /// Takes other parameters: [`Stepper::set_system`], or of a system whose type is erased
+    /// [`set_parameters`](crate::erased::Stepper::set_parameters).
+    ///
+    /// # Errors
+    /// As there.
+    #[doc(hidden)]
+    fn set_parameters(
+        &mut self,
+        parameters: &<Self::System as Dynamics>::Parameters,
+    ) -> Result<(), ParameterError>;
+    /// Takes a step from a start and of a length of its own, beside those that this stepper takes: it is as before.
+    ///
+    /// # Errors
+    /// As [`Stepper::step_with`]; the state is then as before.
+    #[doc(hidden)]
+    fn step_beside(
+        &self,
+        state: &mut <Self::System as Dynamics>::State,
+        from: (f64, f64),
+        input: Inputs<'_, <Self::System as Dynamics>::Control>,
+    ) -> Result<StepReport, StepError>;
+    /// The next step starts at this time, after so many steps.
+    #[doc(hidden)]
+    fn go_on_at(&mut self, time: f64, steps: u64);
+}
+
+/// What acts on the system over a step.
+#[doc(hidden)]
+pub enum Inputs<'a, C> {
+    /// A control that is held.
+    Held(&'a C),
+    /// A function of time.
+    Driven(&'a mut dyn FnMut(f64) -> C),
+}
+
+impl<C> Inputs<'_, C> {
+    /// The same, once more.
+    pub(crate) fn again(&mut self) -> Inputs<'_, C> {
+        match self {
+            Self::Held(control) => Inputs::Held(control),
+            Self::Driven(input) => Inputs::Driven(input),
+        }
+    }
 }
 
 /// The calls that are the stepper's own, whatever its type.
@@ -165,5 +209,29 @@ impl<S: System, M, D: MethodOf<S>> Stepping for Stepper<S, M, D> {
         count: u64,
     ) -> Result<RunReport, RunError> {
         Stepper::steps_with(self, state, control, count)
+    }
+
+    fn set_parameters(&mut self, system: &S) -> Result<(), ParameterError> {
+        self.set_system(system)
+    }
+
+    fn step_beside(
+        &self,
+        state: &mut S::State,
+        (start, length): (f64, f64),
+        input: Inputs<'_, S::Control>,
+    ) -> Result<StepReport, StepError> {
+        // it is built of what this one was built of
+        let beside = Self::new(&self.system, S::Scalar::of(length));
+        let mut beside = beside.map_err(|_| StepError::NotFinite)?;
+        beside.set_time(start);
+        match input {
+            Inputs::Held(control) => beside.step_apart(state, control),
+            Inputs::Driven(input) => beside.step_driven(state, input),
+        }
+    }
+
+    fn go_on_at(&mut self, time: f64, steps: u64) {
+        (self.start, self.taken, self.before, self.left) = (time, 0, steps, None);
     }
 }

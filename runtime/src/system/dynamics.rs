@@ -13,6 +13,8 @@ pub trait Dynamics {
     type State: Clone + fmt::Debug;
     /// The controls, held over a step.
     type Control: Clone + fmt::Debug;
+    /// What another system of the same kind is told by: a system, or the numbers of its parameters.
+    type Parameters: ?Sized;
 
     /// Names the system.
     fn name(&self) -> &'static str;
@@ -23,6 +25,7 @@ pub trait Dynamics {
 impl<S: System> Dynamics for S {
     type State = S::State;
     type Control = S::Control;
+    type Parameters = S;
 
     fn name(&self) -> &'static str {
         S::NAME

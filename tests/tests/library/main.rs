@@ -16,3 +16,4 @@ mod second_kind;
 mod systems;
 mod together;
 mod unsolved;
+mod within;

@@ -1,0 +1,470 @@
+//! What is done within the steps of a run: events that are watched, and states that are shown at times of their own.
+
+use core::ops::ControlFlow;
+
+use super::tracker::Tracker;
+use super::{Event, Moment, Occurrence};
+use crate::error::StepError;
+use crate::interval::{Coefficients, Dense};
+use crate::observe::Observer;
+use crate::system::Dynamics;
+use crate::tick::Tick;
+
+/// A function that is called at an event: [`Run::event`](crate::Run::event).
+#[doc(hidden)]
+pub trait Within<S: Dynamics + ?Sized> {
+    /// Whether there is anything to be done.
+    const IS_IDLE: bool = false;
+
+    /// How many events are watched.
+    fn events(&self) -> usize;
+    /// All start from a state that no step led to.
+    fn start(&mut self, state: &S::State, time: f64);
+    /// Steps of another length begin.
+    fn forget(&mut self);
+    /// How many points within a step with this end have to be looked at.
+    fn wanted(&mut self, dense: &mut dyn Dense<S>, state: &S::State, time: f64) -> u32;
+    /// Sees a state within the step; or at its end, which was seen already.
+    fn see(&mut self, share: f64, state: &S::State, time: f64);
+    /// Sees the end.
+    fn see_end(&mut self);
+    /// Looks for the first zero of each; or for the next one of those that have come.
+    ///
+    /// # Errors
+    /// If there is no state within the step.
+    fn seek(
+        &mut self,
+        dense: &mut dyn Dense<S>,
+        state: &mut S::State,
+        is_first: bool,
+    ) -> Result<(), StepError>;
+    /// The first zero that comes, or the last one that comes no later than this.
+    fn next(&self, until: Option<f64>) -> Option<f64>;
+    /// Calls those that come no later than this, in the order in which they were added, and tells the first one that ends the run. Of this number on.
+    fn call(&mut self, until: f64, first: usize, moment: &mut Moment<'_, S>) -> Option<usize>;
+    /// The step has ended.
+    fn end(&mut self);
+
+    /// The next time that is to be shown, in the direction of the run.
+    fn due(&mut self, from: f64, is_forward: bool) -> Option<f64>;
+    /// Shows the state at a time that is due.
+    fn show(&mut self, tick: &Tick<'_, S>) -> ControlFlow<()>;
+}
+
+impl<S: Dynamics + ?Sized> Within<S> for () {
+    const IS_IDLE: bool = true;
+
+    fn events(&self) -> usize {
+        0
+    }
+    fn start(&mut self, _: &S::State, _: f64) {}
+    fn forget(&mut self) {}
+    fn wanted(&mut self, _: &mut dyn Dense<S>, _: &S::State, _: f64) -> u32 {
+        0
+    }
+    fn see(&mut self, _: f64, _: &S::State, _: f64) {}
+    fn see_end(&mut self) {}
+    fn seek(&mut self, _: &mut dyn Dense<S>, _: &mut S::State, _: bool) -> Result<(), StepError> {
+        Ok(())
+    }
+    fn next(&self, _: Option<f64>) -> Option<f64> {
+        None
+    }
+    fn call(&mut self, _: f64, _: usize, _: &mut Moment<'_, S>) -> Option<usize> {
+        None
+    }
+    fn end(&mut self) {}
+    fn due(&mut self, _: f64, _: bool) -> Option<f64> {
+        None
+    }
+    fn show(&mut self, _: &Tick<'_, S>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+/// Of two, the first has come first.
+impl<S: Dynamics + ?Sized, A: Within<S>, B: Within<S>> Within<S> for (A, B) {
+    const IS_IDLE: bool = A::IS_IDLE && B::IS_IDLE;
+
+    fn events(&self) -> usize {
+        self.0.events() + self.1.events()
+    }
+    fn start(&mut self, state: &S::State, time: f64) {
+        self.0.start(state, time);
+        self.1.start(state, time);
+    }
+    fn forget(&mut self) {
+        self.0.forget();
+        self.1.forget();
+    }
+    fn wanted(&mut self, dense: &mut dyn Dense<S>, state: &S::State, time: f64) -> u32 {
+        self.0.wanted(dense, state, time).max(self.1.wanted(dense, state, time))
+    }
+    fn see(&mut self, share: f64, state: &S::State, time: f64) {
+        self.0.see(share, state, time);
+        self.1.see(share, state, time);
+    }
+    fn see_end(&mut self) {
+        self.0.see_end();
+        self.1.see_end();
+    }
+    fn seek(
+        &mut self,
+        dense: &mut dyn Dense<S>,
+        state: &mut S::State,
+        is_first: bool,
+    ) -> Result<(), StepError> {
+        self.0.seek(dense, state, is_first)?;
+        self.1.seek(dense, state, is_first)
+    }
+    fn next(&self, until: Option<f64>) -> Option<f64> {
+        let both = [self.0.next(until), self.1.next(until)];
+        let ordered = |a: f64, b: f64| if (a < b) == until.is_none() { a } else { b };
+        both.into_iter().flatten().reduce(ordered)
+    }
+    fn call(&mut self, until: f64, first: usize, moment: &mut Moment<'_, S>) -> Option<usize> {
+        let ends = self.0.call(until, first, moment);
+        let other = self.1.call(until, first + self.0.events(), moment);
+        ends.or(other)
+    }
+    fn end(&mut self) {
+        self.0.end();
+        self.1.end();
+    }
+    fn due(&mut self, from: f64, is_forward: bool) -> Option<f64> {
+        let both = [self.0.due(from, is_forward), self.1.due(from, is_forward)];
+        both.into_iter().flatten().reduce(|a, b| if (a < b) == is_forward { a } else { b })
+    }
+    fn show(&mut self, tick: &Tick<'_, S>) -> ControlFlow<()> {
+        let first = self.0.show(tick);
+        let second = self.1.show(tick);
+        if first.is_break() { first } else { second }
+    }
+}
+
+/// An event that is watched: [`Run::event`](crate::Run::event).
+#[doc(hidden)]
+pub struct Watched<G, F> {
+    tracker: Tracker,
+    condition: G,
+    action: F,
+    /// The value at the end of the step.
+    end: f64,
+    /// Its number, in the order in which events were added.
+    number: usize,
+    /// The series of the condition within the step, so far as it is known.
+    series: Coefficients,
+    length: Option<usize>,
+}
+
+impl<G, F> Watched<G, F> {
+    pub(crate) fn new(number: usize, event: Event, condition: G, action: F) -> Self {
+        let (tracker, series) = (Tracker::new(event), [0.0; 33]);
+        Self { tracker, condition, action, end: f64::NAN, number, series, length: None }
+    }
+}
+
+impl<S, G, F> Within<S> for Watched<G, F>
+where
+    S: Dynamics + ?Sized,
+    G: FnMut(&S::State, f64) -> f64,
+    F: FnMut(&mut Occurrence<'_, S>),
+{
+    fn events(&self) -> usize {
+        1
+    }
+
+    fn start(&mut self, state: &S::State, time: f64) {
+        self.tracker.start((self.condition)(state, time));
+    }
+
+    fn forget(&mut self) {
+        self.tracker.forget();
+    }
+
+    fn wanted(&mut self, dense: &mut dyn Dense<S>, state: &S::State, time: f64) -> u32 {
+        self.end = (self.condition)(state, time);
+        self.length = dense.series(self.number, &mut self.series);
+        if self.length.is_some() { 0 } else { self.tracker.wanted(self.end) }
+    }
+
+    fn see(&mut self, share: f64, state: &S::State, time: f64) {
+        if self.length.is_some() {
+            return;
+        }
+        self.tracker.see(share, (self.condition)(state, time));
+    }
+
+    fn see_end(&mut self) {
+        self.tracker.see(1.0, self.end);
+    }
+
+    fn seek(
+        &mut self,
+        dense: &mut dyn Dense<S>,
+        state: &mut S::State,
+        is_first: bool,
+    ) -> Result<(), StepError> {
+        if !is_first && self.tracker.next().is_some() {
+            return Ok(());
+        }
+        let tolerance = dense.resolution();
+        let mut value = |share: f64| {
+            dense.at(share, state)?;
+            Ok((self.condition)(state, dense.time(share)))
+        };
+        if is_first {
+            let series = self.length.and_then(|length| self.series.get(..length));
+            if let Some(series) = series {
+                self.tracker.see_series(series, &mut value)?;
+            }
+            self.tracker.settle(&mut value, tolerance, series.is_some())
+        } else {
+            self.tracker.seek(&mut value, tolerance)
+        }
+    }
+
+    fn next(&self, until: Option<f64>) -> Option<f64> {
+        let next = self.tracker.next().map(|zero| zero.at);
+        next.filter(|next| until.is_none_or(|until| *next <= until))
+    }
+
+    fn call(&mut self, until: f64, first: usize, moment: &mut Moment<'_, S>) -> Option<usize> {
+        let zero = self.tracker.next().filter(|zero| zero.at <= until)?;
+        self.tracker.pass();
+        let stops = self.tracker.event().is_terminal;
+        let mut occurrence = Occurrence { crossing: zero.crossing, moment, stops };
+        (self.action)(&mut occurrence);
+        occurrence.stops.then_some(first)
+    }
+
+    fn end(&mut self) {
+        self.tracker.end();
+    }
+
+    fn due(&mut self, _: f64, _: bool) -> Option<f64> {
+        None
+    }
+
+    fn show(&mut self, _: &Tick<'_, S>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+#[cfg(feature = "std")]
+impl<S: Dynamics + ?Sized, X: Within<S>> Within<S> for std::vec::Vec<X> {
+    fn events(&self) -> usize {
+        self.iter().map(X::events).sum()
+    }
+    fn start(&mut self, state: &S::State, time: f64) {
+        self.iter_mut().for_each(|one| one.start(state, time));
+    }
+    fn forget(&mut self) {
+        self.iter_mut().for_each(X::forget);
+    }
+    fn wanted(&mut self, dense: &mut dyn Dense<S>, state: &S::State, time: f64) -> u32 {
+        self.iter_mut().map(|one| one.wanted(dense, state, time)).max().unwrap_or(0)
+    }
+    fn see(&mut self, share: f64, state: &S::State, time: f64) {
+        self.iter_mut().for_each(|one| one.see(share, state, time));
+    }
+    fn see_end(&mut self) {
+        self.iter_mut().for_each(X::see_end);
+    }
+    fn seek(
+        &mut self,
+        dense: &mut dyn Dense<S>,
+        state: &mut S::State,
+        is_first: bool,
+    ) -> Result<(), StepError> {
+        self.iter_mut().try_for_each(|one| one.seek(dense, state, is_first))
+    }
+    fn next(&self, until: Option<f64>) -> Option<f64> {
+        let all = self.iter().filter_map(|one| one.next(until));
+        all.reduce(|a, b| if (a < b) == until.is_none() { a } else { b })
+    }
+    fn call(&mut self, until: f64, first: usize, moment: &mut Moment<'_, S>) -> Option<usize> {
+        let (mut ends, mut number) = (None, first);
+        for one in self {
+            ends = ends.or(one.call(until, number, moment));
+            number += one.events();
+        }
+        ends
+    }
+    fn end(&mut self) {
+        self.iter_mut().for_each(X::end);
+    }
+    fn due(&mut self, from: f64, is_forward: bool) -> Option<f64> {
+        let all = self.iter_mut().filter_map(|one| one.due(from, is_forward));
+        all.reduce(|a, b| if (a < b) == is_forward { a } else { b })
+    }
+    fn show(&mut self, tick: &Tick<'_, S>) -> ControlFlow<()> {
+        self.iter_mut().try_for_each(|one| one.show(tick))
+    }
+}
+
+/// Times at which states are shown to an observer: [`Run::save_at`](crate::Run::save_at).
+#[doc(hidden)]
+pub struct Samples<I, O> {
+    times: I,
+    due: Option<f64>,
+    /// The time that was shown last.
+    shown: Option<f64>,
+    observer: O,
+}
+
+impl<I: Iterator<Item = f64>, O> Samples<I, O> {
+    pub(crate) fn new(mut times: I, observer: O) -> Self {
+        let due = times.next();
+        Self { times, due, shown: None, observer }
+    }
+}
+
+impl<S: Dynamics + ?Sized, I: Iterator<Item = f64>, O: Observer<S>> Within<S> for Samples<I, O> {
+    fn events(&self) -> usize {
+        0
+    }
+    fn start(&mut self, _: &S::State, _: f64) {}
+    fn forget(&mut self) {}
+    fn wanted(&mut self, _: &mut dyn Dense<S>, _: &S::State, _: f64) -> u32 {
+        0
+    }
+    fn see(&mut self, _: f64, _: &S::State, _: f64) {}
+    fn see_end(&mut self) {}
+    fn seek(&mut self, _: &mut dyn Dense<S>, _: &mut S::State, _: bool) -> Result<(), StepError> {
+        Ok(())
+    }
+    fn next(&self, _: Option<f64>) -> Option<f64> {
+        None
+    }
+    fn call(&mut self, _: f64, _: usize, _: &mut Moment<'_, S>) -> Option<usize> {
+        None
+    }
+    fn end(&mut self) {}
+
+    fn due(&mut self, from: f64, is_forward: bool) -> Option<f64> {
+        // what lies behind is passed over, and so is what is no time
+        let is_ahead = |time: f64| {
+            let is_new = self.shown.is_none_or(|shown| if is_forward { time > shown } else { time < shown });
+            is_new && if is_forward { time >= from } else { time <= from }
+        };
+        while self.due.is_some_and(|time| !is_ahead(time)) {
+            self.due = self.times.next();
+        }
+        self.due
+    }
+
+    fn show(&mut self, tick: &Tick<'_, S>) -> ControlFlow<()> {
+        if self.due != Some(tick.time) {
+            return ControlFlow::Continue(());
+        }
+        (self.shown, self.due) = (self.due, self.times.next());
+        self.observer.observe(tick)
+    }
+}
+
+#[cfg(all(test, feature = "std"))]
+mod tests {
+    use super::*;
+    use crate::error::ParameterError;
+    use crate::event::{Crossing, SetParameters};
+    use crate::tests::{Oscillator, OscillatorControl, OscillatorState};
+    use std::vec::Vec;
+
+    /// A motion whose position is a polynomial of the share of the step, and the same polynomial as the series of each event.
+    struct Polynomial<'a> {
+        coefficients: &'a [f64],
+        looks: u32,
+    }
+
+    impl Polynomial<'_> {
+        fn value(&self, share: f64) -> f64 {
+            self.coefficients.iter().rev().fold(0.0, |sum, x| sum * share + x)
+        }
+    }
+
+    impl Dense<Oscillator> for Polynomial<'_> {
+        fn time(&self, share: f64) -> f64 {
+            7.0 + share
+        }
+        fn resolution(&self) -> f64 {
+            4e-16
+        }
+        fn at(&mut self, share: f64, state: &mut OscillatorState) -> Result<(), StepError> {
+            self.looks += 1;
+            *state = OscillatorState::new(self.value(share), 0.0);
+            Ok(())
+        }
+        fn series(&mut self, _: usize, coefficients: &mut Coefficients) -> Option<usize> {
+            coefficients.iter_mut().zip(self.coefficients).for_each(|(to, from)| *to = *from);
+            Some(self.coefficients.len())
+        }
+    }
+
+    struct Nothing(Oscillator);
+
+    impl SetParameters<Oscillator> for Nothing {
+        fn system(&self) -> &Oscillator {
+            &self.0
+        }
+        fn set_parameters(&mut self, _: &Oscillator) -> Result<(), ParameterError> {
+            Ok(())
+        }
+    }
+
+    /// What an event finds in one step with this series, and how many states it looks at.
+    fn found(event: Event, coefficients: &[f64]) -> (Vec<(f64, Crossing)>, u32) {
+        let mut all = Vec::new();
+        let position = |state: &OscillatorState, _: f64| state.position.x;
+        let action =
+            |event: &mut Occurrence<'_, Oscillator>| all.push((event.time() - 7.0, event.crossing()));
+        let mut within = Watched::new(0, event, position, action);
+        let mut dense = Polynomial { coefficients, looks: 0 };
+        let [start, end] = [0.0, 1.0].map(|share| OscillatorState::new(dense.value(share), 0.0));
+        let mut scratch = start;
+        within.start(&start, 7.0);
+        assert_eq!(within.wanted(&mut dense, &end, 8.0), 0);
+        within.see_end();
+        within.seek(&mut dense, &mut scratch, true).expect("polynomials have values");
+        while let Some(next) = Within::<Oscillator>::next(&within, None) {
+            let (mut state, mut control) = (scratch, OscillatorControl::new(0.0));
+            let mut moment = Moment {
+                time: dense.time(next),
+                before: &scratch,
+                state: &mut state,
+                control: &mut control,
+                is_held: true,
+                stepper: &mut Nothing(Oscillator { mass: 1.0, stiffness: 1.0, drive: 0.0 }),
+                is_changed: false,
+                is_control_changed: false,
+            };
+            within.call(next, 0, &mut moment);
+            within.seek(&mut dense, &mut scratch, false).expect("polynomials have values");
+        }
+        (all, dense.looks)
+    }
+
+    #[test]
+    fn a_series_tells_all_zeros_of_a_step() {
+        use Crossing::{Falling, Rising, Touch};
+        // Chebyshev's polynomial of degree 8, from 0 to 1
+        let chebyshev = [1.0, -128.0, 2688.0, -21504.0, 84480.0, -180224.0, 212992.0, -131072.0, 32768.0];
+        let (all, _) = found(Event::any(), &chebyshev);
+        assert_eq!(all.len(), 8, "{all:?}");
+        for (k, (share, crossing)) in all.iter().enumerate() {
+            let exact = 0.5 - 0.5 * ((2 * k + 1) as f64 * core::f64::consts::PI / 16.0).cos();
+            assert!((share - exact).abs() < 1e-12, "{share} for {exact}");
+            assert_eq!(*crossing, if k % 2 == 0 { Falling } else { Rising });
+        }
+        assert_eq!(found(Event::rising(), &chebyshev).0.len(), 4);
+        // from zero, a touch, and a zero at the end
+        let (all, _) = found(Event::any(), &[0.0, 1.0, -3.0, 2.0]);
+        assert_eq!(all, [(0.5, Falling), (1.0, Rising)]);
+        let (all, _) = found(Event::any(), &[0.25, -1.0, 1.0]);
+        assert_eq!(all, [(0.5, Touch)]);
+        assert_eq!(found(Event::falling(), &[0.25, -1.0, 1.0]).0, []);
+        // what has no zero takes no look
+        assert_eq!(found(Event::any(), &[1.0, 0.5, 0.1]), (Vec::new(), 0));
+        assert_eq!(found(Event::any(), &[0.0]).0, []);
+    }
+}
