@@ -33,9 +33,15 @@ pub(crate) struct ChosenRun {
     /// before them a name and a unit may stand: `'height, m = gamma.dot(&chi)'`.
     #[arg(long, value_name = "EXPRESSION")]
     pub(crate) quantity: Vec<String>,
-    /// End at the first step after which this holds: `gamma_z < 0`
+    /// End at the moment from which on this holds: `gamma_z < 0`
     #[arg(long, value_name = "CONDITION")]
     pub(crate) until: Option<String>,
+    /// Tell when a quantity is zero: `'upright = gamma_z, rising'`
+    ///
+    /// `rising` and `falling` say in which direction it passes zero; without them every zero counts. Moments are located to rounding
+    /// within the steps, and told with the states there in a table that ends in `.events.csv`.
+    #[arg(long, value_name = "EXPRESSION")]
+    pub(crate) event: Vec<String>,
 }
 
 /// The arguments that choose steps.

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use crate::catalogue::{Entry, casimir};
 use crate::files::{Provenance, invariants};
-use crate::record::{ConservationReport, DriftStats};
+use crate::record::{ConservationReport, DriftStats, RecordedEvent};
 use crate::setup::{Job, Method, Setup, standard};
 use crate::simulate::ErrorEstimate;
 use crate::units::{figures, grouped, magnitude, rounded, with_unit, with_unit_behind};
@@ -30,6 +30,8 @@ pub struct RunSummary {
     pub off_group: f64,
     /// The time of a step without an observer, ns; none if there were no steps.
     pub time_per_step: Option<f64>,
+    /// The events that came.
+    pub events: Vec<RecordedEvent>,
 }
 
 impl RunSummary {
@@ -54,6 +56,28 @@ impl RunSummary {
         }
         lines.extend(self.estimate.as_ref().map(ErrorEstimate::words));
         lines
+    }
+
+    /// The moments of events, in words.
+    pub fn moments(&self) -> Vec<String> {
+        /// More are told by their number.
+        const MOST: usize = 8;
+        let mut names: Vec<&str> = Vec::new();
+        for event in &self.events {
+            if !names.contains(&event.name.as_str()) {
+                names.push(&event.name);
+            }
+        }
+        let told = |name: &&str| {
+            let all: Vec<&RecordedEvent> = self.events.iter().filter(|event| event.name == **name).collect();
+            let shown = all.iter().take(MOST).map(|event| format!("{} s ({})", event.time, event.crossing));
+            let shown = shown.collect::<Vec<_>>().join(", ");
+            match all.len() {
+                more if more > MOST => format!("{name}: {more} times, at first {shown}"),
+                _ => format!("{name}: {shown}"),
+            }
+        };
+        names.iter().map(told).collect()
     }
 
     /// Describes how well a quantity was conserved.
@@ -99,6 +123,13 @@ impl RunSummary {
         object.insert("error_estimate".to_owned(), json!(self.estimate));
         object.insert("invariants".to_owned(), invariants(entry, &self.conservation));
         object.insert("conclusions".to_owned(), json!(self.conclusions(entry)));
+        if !self.events.is_empty() {
+            let told = self
+                .events
+                .iter()
+                .map(|event| json!({ "name": event.name, "crossing": event.crossing, "time": event.time }));
+            object.insert("events".to_owned(), told.collect());
+        }
         Value::Object(object)
     }
 }

@@ -14,7 +14,7 @@ use super::{Command, ensemble, play, scan};
 use crate::catalogue::{Catalogue, Entry};
 use crate::error::{Error, SetupError};
 use crate::files::{self, FileOrigin, is_stdout};
-use crate::setup::{Column, Format};
+use crate::setup::{Column, Format, Moments};
 use crate::simulate::time_per_step;
 use crate::units::wrapped;
 
@@ -29,7 +29,7 @@ pub(crate) struct RunArguments {
         value_name = "FILE",
         conflicts_with_all = [
             "system", "config", "retraction", "method", "order", "set", "step", "duration", "every",
-            "columns", "watch_every_step", "format", "plot", "quantity", "until", "scan"
+            "columns", "watch_every_step", "format", "plot", "quantity", "until", "event", "at", "every_seconds", "scan"
         ]
     )]
     pub(crate) again: Option<PathBuf>,
@@ -38,6 +38,14 @@ pub(crate) struct RunArguments {
     /// The last state is written too.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) every: Option<u64>,
+    /// Write the states at these times, s, in place of steps: `0.1,0.25`
+    ///
+    /// Within a step the state is where a shorter step leads to; the steps themselves stay as they are.
+    #[arg(long, value_name = "TIMES", value_delimiter = ',', allow_hyphen_values = true, conflicts_with_all = ["every", "every_seconds"])]
+    pub(crate) at: Vec<f64>,
+    /// Write the states at 0, S, 2 S, …, s, in place of steps
+    #[arg(long, value_name = "S", conflicts_with = "every")]
+    pub(crate) every_seconds: Option<f64>,
     /// Further columns of the table, behind the others
     ///
     /// Velocities belong to the momenta: of a body the angular velocity, rad/s. Attitudes lead from the axes of the body
@@ -76,7 +84,7 @@ pub(crate) struct RunArguments {
     #[arg(
         long,
         value_name = "NAME=VALUES",
-        conflicts_with_all = ["plot", "html", "checkpoint", "format", "every", "columns", "quantity", "until", "watch_every_step"]
+        conflicts_with_all = ["plot", "html", "checkpoint", "format", "every", "columns", "quantity", "until", "event", "at", "every_seconds", "watch_every_step"]
     )]
     pub(crate) scan: Vec<String>,
     #[command(flatten)]
@@ -154,8 +162,10 @@ fn described(
     let RunArguments { plot, watch_every_step: watch, checkpoint_every: pause, .. } = *arguments;
     let html = arguments.html.clone();
     let columns = if arguments.columns.is_empty() { config.columns } else { arguments.columns.clone() };
-    let plan =
-        Plan { every, columns, watch, format, plot, html, pause, ..planned(&motion, &arguments.chosen) };
+    let plan = planned(&motion, &arguments.chosen);
+    let moments =
+        Moments { at: arguments.at.clone(), every_seconds: arguments.every_seconds, ..plan.moments };
+    let plan = Plan { every, columns, moments, watch, format, plot, html, pause, ..plan };
     execute(motion.entry, plan, arguments.open, arguments.checkpoint.as_deref(), console)
 }
 
@@ -169,6 +179,7 @@ fn planned(motion: &Motion<'_>, chosen: &ChosenRun) -> Plan {
         columns: Vec::new(),
         quantity: chosen.quantity.clone(),
         until: chosen.until.clone(),
+        moments: Moments { event: chosen.event.clone(), ..Moments::default() },
         watch: true,
         format: None,
         plot: false,
@@ -274,7 +285,7 @@ fn report(done: FinishedRun, checkpoint: Option<&Path>, console: &mut Console<'_
     let time_per_step = if interrupted { None } else { time_per_step(entry, &plan.setup, &plan.job)? };
     let end = summary.conservation.time;
     let summary = RunSummary { time_per_step, ..summary };
-    let conclusions = summary.conclusions(entry);
+    let (conclusions, moments) = (summary.conclusions(entry), summary.moments());
     console.summary(&written, || {
         let mut object = summary.object(entry, &plan.setup);
         object["interrupted"] = interrupted.into();
@@ -282,7 +293,7 @@ fn report(done: FinishedRun, checkpoint: Option<&Path>, console: &mut Console<'_
     })?;
     let words = console.words();
     write!(words, "{}", table(entry, &[summary]))?;
-    for line in conclusions {
+    for line in conclusions.into_iter().chain(moments) {
         writeln!(words, "{}", wrapped(&line, 78).join("\n  "))?;
     }
     console.wrote(&written)?;

@@ -1,5 +1,6 @@
 //! A run of the program: its plan, the files it claims, the recorders it feeds, and the files it writes at the end.
 
+use std::cell::Cell;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -13,19 +14,20 @@ use super::console::Console;
 use super::interrupt;
 use super::progress::Progress;
 use super::report::RunSummary;
-use crate::catalogue::{Catalogue, Entry, Observable};
+use crate::catalogue::{Catalogue, Entry};
 use crate::error::{Error, FileError, SetupError};
 use crate::files::{
     CheckpointStore, NewFile, OverwriteGuard, PlannedFile, Provenance, Status, TrajectoryWriter, Written,
-    digest, file_in, is_stdout, rows_of,
+    digest, file_in, is_stdout, rows_of, table,
 };
 use crate::page::{PageHeading, page};
 use crate::picture::{Kind, run_figure};
-use crate::record::{Curves, PageRecorder, Recorders};
+use crate::record::{Curves, PageRecorder, RecordedEvent, Recorders};
 use crate::scene;
-use crate::setup::{Column, Format, Job, Setup, condition, observables};
+use crate::setup::{Column, Format, Job, Moments, Setup, condition, margin, observables};
 use crate::simulate::{
-    Checkpoint, ErrorEstimate, Sample, conserves_energy, energy_size, error_estimate, simulate, slowed,
+    Checkpoint, ErrorEstimate, Sample, Seen, Within, conserves_energy, energy_size, error_estimate,
+    simulate_within, slowed,
 };
 
 /// Reading the clock costs more than a step: it is read once in this many.
@@ -46,8 +48,10 @@ pub struct Plan {
     pub columns: Vec<Column>,
     /// Quantities of a user's own, as expressions.
     pub quantity: Vec<String>,
-    /// The condition that ends it, after the first step after which it holds.
+    /// The condition that ends it, at the moment from which on it holds.
     pub until: Option<String>,
+    /// What is looked at within its steps.
+    pub moments: Moments,
     /// Whether every step is looked at, whatever is written.
     pub watch: bool,
     /// The format of the trajectory; none writes none.
@@ -72,11 +76,15 @@ impl Plan {
         // where every step is written, every step is looked at
         let watch = self.watch && self.every != 1;
         let (columns, quantity, until) = (self.columns.clone(), self.quantity.clone(), self.until.clone());
+        let Moments { at, every_seconds, event } = self.moments.clone();
         Provenance {
             watch,
             columns,
             quantity,
             until,
+            at,
+            every_seconds,
+            event,
             ..Provenance::of_run(entry, &self.setup, &self.job, self.every)
         }
     }
@@ -93,6 +101,8 @@ impl Plan {
 #[derive(Clone, Debug)]
 struct RunFiles {
     trajectory: Option<(Format, PathBuf)>,
+    /// The table of its events.
+    events: Option<PathBuf>,
     pictures: Vec<(Kind, PathBuf)>,
 }
 
@@ -164,8 +174,12 @@ impl Session {
         plan.html.as_ref().map_or(Ok(()), |_| scene::check(entry, &plan.setup.parameters))?;
         let (files, guard) = claimed(entry, &plan, checkpoint)?;
         let (step, steps) = (plan.job.step, plan.job.total());
-        let curves = plan.plot.then(|| Curves::new(entry, (step, steps)));
-        let recorders = Recorders::of(curves, plan.html.is_some().then(|| PageRecorder::new(steps)));
+        // of what is drawn, the last one of times that were asked for
+        let drawn = plan.moments.times(&plan.job)?.map_or(steps, |times| times.count().saturating_sub(1));
+        let step =
+            if drawn == steps { step } else { plan.job.duration().copysign(step) / drawn.max(1) as f64 };
+        let curves = plan.plot.then(|| Curves::new(entry, (step, drawn)));
+        let recorders = Recorders::of(curves, plan.html.is_some().then(|| PageRecorder::new(drawn)));
         let rows = match (checkpoint, &files.trajectory) {
             (Some(path), _) => {
                 let saved = saved(entry, &plan, &recorders, None);
@@ -232,40 +246,67 @@ impl Session {
         let mut failure = None;
         // an error's peak may be as short as one step, but to look at a step takes several times as long as the step
         let until = self.plan.until.as_deref().map(|text| condition(&entry, text)).transpose()?;
-        let interval = if self.plan.watch || until.is_some() { 1 } else { self.plan.every };
+        let margin = self.plan.until.as_deref().map(|text| margin(&entry, text)).transpose()?;
+        let events = self.plan.moments.events(&entry)?;
+        let times = self.plan.moments.times(&job)?;
+        let is_watched = self.plan.watch || until.is_some() || times.is_some();
+        let interval = if is_watched { 1 } else { self.plan.every };
         let next = |index: u64| {
             let after = |interval: u64| (index / interval + 1).saturating_mul(interval);
             after(interval).min(after(INTERVAL))
         };
-        let simulated = simulate(&entry, &setup, &job, from.as_ref(), &next, &mut |sample| {
-            let is_due = sample.index.is_multiple_of(INTERVAL);
-            if is_due {
-                progress.show(sample.index);
-            }
-            let controls = &sample.numbers[sample.state.len()..];
-            let is_end =
-                |until: &Observable| until.value(&*self.system, sample.state, sample.time, controls) != 0.0;
-            self.ended = until.as_ref().is_some_and(is_end);
-            let pushed = if is_new { self.push(sample) } else { Ok(()) };
-            is_new = true;
-            let stop = interrupt::requested() && sample.index < job.total();
-            if self.ended || sample.index == job.total() {
-                self.end.copy_from_slice(sample.state);
-            }
-            let result = pushed.and_then(|()| {
-                if stop || (is_due && saved.elapsed() > pause) {
-                    self.save(sample)?;
-                    saved = Instant::now();
+        let ended = Cell::new(false);
+        let within = Within { until: margin.as_ref(), events: &events, times: times.as_ref(), ended: &ended };
+        let simulated =
+            simulate_within(&entry, &setup, &job, from.as_ref(), &next, &within, &mut |seen, sample| {
+                match seen {
+                    Seen::Step => {}
+                    Seen::Time => {
+                        failure = self.save_moment(sample).err();
+                        return if failure.is_some() {
+                            ControlFlow::Break(())
+                        } else {
+                            ControlFlow::Continue(())
+                        };
+                    }
+                    Seen::Event(event, crossing) => {
+                        let (name, row) = (event.name().to_owned(), self.row(sample));
+                        let crossing = RecordedEvent::word(crossing);
+                        self.recorders.events.push(RecordedEvent { name, crossing, time: sample.time, row });
+                        return ControlFlow::Continue(());
+                    }
                 }
-                Ok(())
+                let is_due = sample.index.is_multiple_of(INTERVAL);
+                if is_due {
+                    progress.show(sample.index);
+                }
+                // at the start, or by a jump
+                let controls = &sample.numbers[sample.state.len()..];
+                let holds = until.as_ref().is_some_and(|until| {
+                    until.value(&*self.system, sample.state, sample.time, controls) != 0.0
+                });
+                ended.set(ended.get() || holds);
+                self.ended = ended.get();
+                let pushed = if is_new { self.push(sample) } else { Ok(()) };
+                is_new = true;
+                let stop = interrupt::requested() && sample.index < job.total();
+                if self.ended || sample.index == job.total() {
+                    self.end.copy_from_slice(sample.state);
+                }
+                let result = pushed.and_then(|()| {
+                    if stop || (is_due && saved.elapsed() > pause) {
+                        self.save(sample)?;
+                        saved = Instant::now();
+                    }
+                    Ok(())
+                });
+                failure = failure.take().or(result.err());
+                if stop || self.ended || failure.is_some() {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
+                }
             });
-            failure = result.err();
-            if stop || self.ended || failure.is_some() {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            }
-        });
         if let Some(failure) = failure {
             return Err(failure);
         }
@@ -278,23 +319,44 @@ impl Session {
         Ok(simulated?)
     }
 
+    /// Records a step, and writes it, where steps are written.
     fn push(&mut self, sample: &Sample<'_>) -> Result<(), Error> {
-        self.recorders.push(&self.entry, &*self.system, sample);
+        self.recorders.watch(&*self.system, sample);
+        if self.plan.moments.are_rows() {
+            return Ok(());
+        }
+        self.recorders.show(&self.entry, &*self.system, sample);
         let is_last = self.ended || sample.index == self.plan.job.total();
-        if sample.index.is_multiple_of(self.plan.every) || is_last {
-            let row = || {
-                let mut row = sample.row(&self.entry);
-                let (state, controls) = (sample.state, &sample.numbers[sample.state.len()..]);
-                for column in &self.plan.columns {
-                    column.push((&self.entry, &*self.system), (state, sample.time, controls), &mut row);
-                }
-                row
-            };
-            match &mut self.rows {
-                Rows::Discarded => {}
-                Rows::File(trajectory) => trajectory.row(&row())?,
-                Rows::Checkpoint(store) => store.row(&row())?,
-            }
+        if sample.index.is_multiple_of(self.plan.every) || is_last { self.write_row(sample) } else { Ok(()) }
+    }
+
+    /// Records and writes the state at a time that was asked for.
+    fn save_moment(&mut self, sample: &Sample<'_>) -> Result<(), Error> {
+        // they are counted for themselves
+        let sample = &Sample { index: self.recorders.saved, ..*sample };
+        self.recorders.saved += 1;
+        self.recorders.show(&self.entry, &*self.system, sample);
+        self.write_row(sample)
+    }
+
+    fn row(&self, sample: &Sample<'_>) -> Vec<f64> {
+        let mut row = sample.row(&self.entry);
+        let (state, controls) = (sample.state, &sample.numbers[sample.state.len()..]);
+        for column in &self.plan.columns {
+            column.push((&self.entry, &*self.system), (state, sample.time, controls), &mut row);
+        }
+        row
+    }
+
+    fn write_row(&mut self, sample: &Sample<'_>) -> Result<(), Error> {
+        if matches!(self.rows, Rows::Discarded) {
+            return Ok(());
+        }
+        let row = self.row(sample);
+        match &mut self.rows {
+            Rows::Discarded => {}
+            Rows::File(trajectory) => trajectory.row(&row)?,
+            Rows::Checkpoint(store) => store.row(&row)?,
         }
         Ok(())
     }
@@ -318,9 +380,9 @@ impl Session {
         if let (true, Some(curves)) = (ended, &mut recorders.curves) {
             curves.span = (time.min(0.0), time.max(0.0));
         }
-        if ended && steps < plan.job.total() {
+        if ended {
             // what is said of the run is said of the steps that it took
-            plan.job = Job { steps, rest: 0.0, ..plan.job };
+            plan.job = ended_at(&plan.job, steps, time);
         }
         let mut contents = Vec::new();
         let mut store = None;
@@ -337,6 +399,10 @@ impl Session {
             }
             _ => {}
         }
+        if let Some(path) = &files.events {
+            contents
+                .push((path.clone(), NewFile::with(path, &event_table(&entry, &plan, &recorders.events)?)?));
+        }
         contents.extend(shown(&entry, &plan, steps, &recorders, &files)?);
         let status = interrupted.map_or(Status::Complete, Status::Interrupted);
         let estimate = match interrupted {
@@ -352,10 +418,11 @@ impl Session {
         let slowed = slowed(&entry, &plan.setup, &plan.job, (time, &end));
         let kept = kept.iter().map(|path| format!("{} holds the whole run, and stays", path.display()));
         let until = plan.until.iter().map(|until| match ended {
-            true => format!("`{until}` holds after {steps} steps, at {time} s: there the run ends"),
+            true => format!("`{until}` holds from {time} s on, in step {steps}: there the run ends"),
             false => format!("`{until}` holds after none of {steps} steps"),
         });
         let notes = kept.chain(slowed).chain(until).collect();
+        let events = recorders.events;
         let off_group = recorders.off_group;
         let conserves_energy = conserves_energy(&entry, &plan.setup, (time, &end));
         let energy_size = energy_size(&entry, &plan.setup, (time, &end));
@@ -368,9 +435,30 @@ impl Session {
             energy_size,
             off_group,
             time_per_step: None,
+            events,
         };
         Ok(FinishedRun { entry, plan, summary, written, interrupted: interrupted.is_some(), notes })
     }
+}
+
+/// The steps of a run that ended at a time within the last of them.
+fn ended_at(job: &Job, steps: u64, time: f64) -> Job {
+    let whole = steps.saturating_sub(1);
+    let rest = time.abs() - whole as f64 * job.step.abs();
+    // no more than roundoff
+    let is_whole = (rest - job.step.abs()).abs() <= 4.0 * f64::EPSILON * (time.abs() + job.step.abs());
+    if steps == 0 || is_whole { Job { steps, rest: 0.0, ..*job } } else { Job { steps: whole, rest, ..*job } }
+}
+
+/// A table of events: its first columns name them, the others are those of the trajectory.
+fn event_table(entry: &Entry, plan: &Plan, events: &[RecordedEvent]) -> Result<Vec<u8>, SetupError> {
+    let header = ["event", "crossing"].map(str::to_owned).into_iter().chain(plan.columns(entry)?);
+    let mut records: Vec<Vec<String>> = vec![header.collect()];
+    for RecordedEvent { name, crossing, row, .. } in events {
+        let numbers = row.iter().map(|number| format!("{number:?}"));
+        records.push([name.clone(), crossing.clone()].into_iter().chain(numbers).collect());
+    }
+    Ok(table(&records))
 }
 
 /// Adds the quantities asked for to those of the system, and looks at the condition.
@@ -384,6 +472,8 @@ fn observed(entry: &Entry, plan: &Plan) -> Result<Entry, SetupError> {
     }
     let entry = entry.clone().with_observables(own);
     plan.until.as_deref().map_or(Ok(()), |text| condition(&entry, text).map(|_| ()))?;
+    plan.moments.events(&entry)?;
+    plan.moments.times(&plan.job)?;
     Ok(entry)
 }
 
@@ -403,17 +493,21 @@ fn claimed(
     let kinds = if plan.plot { Kind::ALL } else { &[] };
     let pictures: Vec<_> = kinds.iter().map(|kind| (*kind, place(kind.extension()))).collect();
 
+    let has_events = trajectory.is_some() && !plan.moments.event.is_empty() && !is_stdout(&plan.out);
+    let events = has_events.then(|| place("events.csv"));
+
     let file = |what, path: &Path, written| PlannedFile { what, path: path.to_owned(), written };
     let inputs = plan.inputs.iter().map(|path| file("what describes the run", path, false));
     let mut planned: Vec<PlannedFile> = inputs.collect();
     planned.extend(checkpoint.map(|path| file("the checkpoint", path, false)));
     planned.extend(checkpoint.map(|path| file("the checkpoint's rows", &rows_of(path), false)));
     planned.extend(trajectory.iter().map(|(_, path)| file("the trajectory", path, true)));
+    planned.extend(events.iter().map(|path| file("the table of events", path, true)));
     planned.extend(plan.html.iter().map(|path| file("the page", path, true)));
     planned.extend(pictures.iter().map(|(_, path)| file("the picture", path, true)));
     let guard = OverwriteGuard::new(run.origin(), plan.force);
     guard.check_all(&planned)?;
-    Ok((RunFiles { trajectory, pictures }, guard))
+    Ok((RunFiles { trajectory, events, pictures }, guard))
 }
 
 /// Collects what a run is to be resumed with.
@@ -488,6 +582,7 @@ mod tests {
             columns: Vec::new(),
             quantity: Vec::new(),
             until: None,
+            moments: Moments::default(),
             watch: true,
             format: None,
             plot: true,

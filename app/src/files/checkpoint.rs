@@ -17,7 +17,7 @@ use super::table::{table, write_row};
 use crate::error::{Error, FileError, SetupError};
 
 /// The beginning of checkpoint files; the number is the version of the format.
-const MAGIC: &[u8] = b"coadjoint checkpoint 4\n";
+const MAGIC: &[u8] = b"coadjoint checkpoint 5\n";
 /// The beginning of those of all versions.
 const ANY: &[u8] = b"coadjoint checkpoint ";
 

@@ -69,6 +69,15 @@ pub struct Provenance {
     /// The condition that ends it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub until: Option<String>,
+    /// Times at which states are written in place of steps, s.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub at: Vec<f64>,
+    /// The time between two of them, s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub every_seconds: Option<f64>,
+    /// Events, as the command line takes them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub event: Vec<String>,
     /// The differences between members of an ensemble.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ensemble: Option<Members>,
@@ -125,6 +134,9 @@ impl Provenance {
             watch: false,
             quantity: Vec::new(),
             until: None,
+            at: Vec::new(),
+            every_seconds: None,
+            event: Vec::new(),
             ensemble: None,
             scan: Vec::new(),
             assignments: if *setup == entry.example { Vec::new() } else { assignments(entry, setup) },
@@ -178,6 +190,11 @@ impl Provenance {
         }
         self.quantity.iter().for_each(|quantity| option("quantity", quantity));
         self.until.iter().for_each(|until| option("until", until));
+        if !self.at.is_empty() {
+            option("at", &self.at.iter().map(f64::to_string).collect::<Vec<_>>().join(","));
+        }
+        self.every_seconds.iter().for_each(|every| option("every-seconds", every));
+        self.event.iter().for_each(|event| option("event", event));
         self.scan.iter().for_each(|scan| option("scan", scan));
         self.assignments.iter().for_each(|assignment| option("set", assignment));
         if self.watch {

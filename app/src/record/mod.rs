@@ -3,6 +3,7 @@
 mod conservation;
 mod curves;
 mod envelope;
+mod events;
 mod page;
 mod rotations;
 mod samples;
@@ -13,6 +14,7 @@ use serde::{Deserialize, Serialize};
 pub use conservation::{ConservationReport, DriftStats};
 pub(crate) use curves::{Curves, Part, PartKind, parts};
 pub use envelope::Envelope;
+pub use events::RecordedEvent;
 pub(crate) use page::{PageRecorder, PageSamples};
 pub(crate) use rotations::{Rotation, Rotations};
 pub(crate) use samples::{RecordedSample, Samples};
@@ -61,6 +63,10 @@ pub(crate) struct Recorders {
     rotations: Rotations,
     pub(crate) curves: Option<Curves>,
     pub(crate) page: Option<PageRecorder>,
+    /// The events that have come.
+    pub(crate) events: Vec<RecordedEvent>,
+    /// States that were written at times of their own.
+    pub(crate) saved: u64,
 }
 
 impl Recorders {
@@ -71,9 +77,20 @@ impl Recorders {
 
     /// Adds a sample of the run.
     pub(crate) fn push(&mut self, entry: &Entry, system: &dyn System, sample: &Sample<'_>) {
-        let Self { conservation, off_group, rotations, curves, page } = self;
+        self.watch(system, sample);
+        self.show(entry, system, sample);
+    }
+
+    /// Adds a sample to what is told of the run.
+    pub(crate) fn watch(&mut self, system: &dyn System, sample: &Sample<'_>) {
+        let Self { conservation, off_group, .. } = self;
         conservation.get_or_insert_with(|| ConservationReport::new(sample)).push(sample);
         *off_group = off_group.max(system.deviation(sample.state));
+    }
+
+    /// Adds a sample to what is drawn of it.
+    pub(crate) fn show(&mut self, entry: &Entry, system: &dyn System, sample: &Sample<'_>) {
+        let Self { rotations, curves, page, .. } = self;
         if curves.is_none() && page.is_none() {
             return;
         }

@@ -167,6 +167,48 @@ pub(crate) fn condition(entry: &Entry, text: &str) -> Result<Observable, SetupEr
     }
 }
 
+/// Reads how far a condition is from its contrary: a quantity that is positive where it holds, negative where it does not, and
+/// continuous where what is compared is.
+///
+/// # Errors
+/// As [`condition`].
+pub(crate) fn margin(entry: &Entry, text: &str) -> Result<Observable, SetupError> {
+    condition(entry, text)?;
+    let wrong = |reason: String| SetupError::new(format!("`{text}`: {reason}"));
+    let expression: Expr = syn::parse_str(text).map_err(|error| wrong(error.to_string()))?;
+    let margin = distance(entry, &expression).map_err(wrong)?;
+    let of = move |system: &dyn System, state: &[f64], time: f64, control: &[f64]| {
+        margin(&At { system, state, time, control }).map_or(f64::NAN, |value| value[0])
+    };
+    Ok(Observable::new(text, String::new(), of))
+}
+
+/// How far a condition is from its contrary.
+fn distance(entry: &Entry, expression: &Expr) -> Result<Compiled, String> {
+    let both = |left: &Expr, right: &Expr, of: Binary| -> Result<Compiled, String> {
+        let (left, right) = (distance(entry, left)?, distance(entry, right)?);
+        Ok(Box::new(move |at| numbers("`&&`", &left(at)?, &right(at)?, of)))
+    };
+    let difference = |large: &Expr, small: &Expr| -> Result<Compiled, String> {
+        let (large, small) = (compiled(entry, large)?, compiled(entry, small)?);
+        Ok(Box::new(move |at| sum(large(at)?, -small(at)?)))
+    };
+    match expression {
+        Expr::Paren(inner) => distance(entry, &inner.expr),
+        Expr::Unary(inner) => {
+            let of = distance(entry, &inner.expr)?;
+            Ok(Box::new(move |at| Ok(-of(at)?)))
+        }
+        Expr::Binary(binary) => match binary.op {
+            BinOp::And(_) => both(&binary.left, &binary.right, f64::min),
+            BinOp::Or(_) => both(&binary.left, &binary.right, f64::max),
+            BinOp::Lt(_) | BinOp::Le(_) => difference(&binary.right, &binary.left),
+            _ => difference(&binary.left, &binary.right),
+        },
+        _ => compiled(entry, expression),
+    }
+}
+
 /// Whether an expression says that something holds.
 fn is_truth(expression: &Expr) -> bool {
     match expression {

@@ -8,6 +8,7 @@ pub(crate) mod scan;
 pub(crate) mod threads;
 mod too_far;
 
+use std::cell::{Cell, RefCell};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Instant;
@@ -18,7 +19,7 @@ use coadjoint::erased::{self, StepperError};
 use coadjoint::observe::Observer;
 use coadjoint::scheme::Rule;
 use coadjoint::system::{Quantity, Role};
-use coadjoint::{Run, Scheme, Tick};
+use coadjoint::{Crossing, Event, Run, Scheme, Tick};
 use serde::{Deserialize, Serialize};
 
 pub use certify::{certify, states_in_motion};
@@ -26,10 +27,10 @@ pub use classical::stepper as classical_stepper;
 pub use estimate::{Distance, ErrorEstimate, error_estimate};
 pub(crate) use too_far::slowed;
 
-use crate::catalogue::{ControlLaw, Entry, Input, Setup};
+use crate::catalogue::{ControlLaw, Entry, Input, Observable, Setup};
 use crate::error::{RunError, SetupError};
 pub use crate::record::Sample;
-use crate::setup::{Job, Method, Order, Retraction};
+use crate::setup::{Job, Method, Order, Retraction, Times, WatchedEvent};
 
 /// The state of a run from which it can be resumed, bit for bit.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -174,6 +175,52 @@ pub fn simulate(
     next: &dyn Fn(u64) -> u64,
     observer: &mut SampleObserver<'_>,
 ) -> Result<RunReport, RunError> {
+    let nothing = Within { until: None, events: &[], times: None, ended: &Cell::new(false) };
+    let observer = &mut |seen: Seen<'_>, sample: &Sample<'_>| match seen {
+        Seen::Step => observer(sample),
+        _ => ControlFlow::Continue(()),
+    };
+    simulate_within(entry, setup, job, from, next, &nothing, observer)
+}
+
+/// What is looked at within the steps of a run.
+pub(crate) struct Within<'a> {
+    /// What becomes positive where the run is to end.
+    pub(crate) until: Option<&'a Observable>,
+    pub(crate) events: &'a [WatchedEvent],
+    /// Times at which there are samples besides those of steps.
+    pub(crate) times: Option<&'a Times>,
+    /// Whether `until` has ended it.
+    pub(crate) ended: &'a Cell<bool>,
+}
+
+/// What a sample is of.
+#[derive(Clone, Copy)]
+pub(crate) enum Seen<'a> {
+    /// The initial state, or a step.
+    Step,
+    /// A time that was asked for.
+    Time,
+    /// An event.
+    Event(&'a WatchedEvent, Crossing),
+}
+
+/// Observes samples, and what they are of; may end the run.
+pub(crate) type SeenObserver<'a> = dyn FnMut(Seen<'_>, &Sample<'_>) -> ControlFlow<()> + 'a;
+
+/// Makes a run as [`simulate`] does, and looks at what is within its steps.
+///
+/// # Errors
+/// As there.
+pub(crate) fn simulate_within(
+    entry: &Entry,
+    setup: &Setup,
+    job: &Job,
+    from: Option<&Checkpoint>,
+    next: &dyn Fn(u64) -> u64,
+    within: &Within<'_>,
+    observer: &mut SeenObserver<'_>,
+) -> Result<RunReport, RunError> {
     let system = entry.system(&setup.parameters);
     let mut stepper = stepper(entry, system.clone(), setup.input.clone(), job)?;
     let mut state = setup.state.clone();
@@ -184,10 +231,36 @@ pub fn simulate(
     let held: Option<Vec<f64>> = setup.controls.iter().copied().collect();
     let law = if held.is_some() && setup.input.is_none() { None } else { entry.law(setup) };
     let held = held.unwrap_or_default();
-    let mut watched =
-        Watched { entry, law: law.as_ref(), held: &held, next, observer, due: 0, last: job.total() };
-    let mut walk = |stepper: &mut erased::Stepper, state: &mut Vec<f64>, steps: u64| {
-        let run = Run::new(stepper, state).observe(&mut watched);
+    let looker = Looker { entry, law: law.as_ref(), held: &held, observer: RefCell::new(observer) };
+    let mut watched = Watched { looker: &looker, next, due: 0, last: job.total(), ended: within.ended };
+    let mut walk = |stepper: &mut erased::Stepper, state: &mut Vec<f64>, steps: u64, is_rest: bool| {
+        let (start, is_forward) = (stepper.time(), stepper.step_size() > 0.0);
+        // where the shorter step starts, the steps before it have ended
+        let is_ahead = |time: &f64| !is_rest || if is_forward { *time > start } else { *time < start };
+        let times = within.times.into_iter().flat_map(Times::iter).filter(is_ahead);
+        let value = |of: &Observable, state: &[f64], time: f64| {
+            of.value(&*system, state, time, &looker.controls(state, time))
+        };
+        let until = within.until.map(|until| (Event::rising().terminal(), None, until));
+        let events = within.events.iter().map(|event| (event.event, Some(event), &event.quantity));
+        let watches = until.into_iter().chain(events).map(|(event, watched, of)| {
+            let value = &value;
+            let condition = move |state: &Vec<f64>, time: f64| value(of, state, time);
+            let looker = &looker;
+            let action = move |occurrence: &mut coadjoint::Occurrence<'_, dyn erased::System>| match watched {
+                None => within.ended.set(true),
+                Some(event) => {
+                    let seen = Seen::Event(event, occurrence.crossing());
+                    let tick = Tick::new(occurrence.system(), 0, occurrence.time(), occurrence.state());
+                    if looker.look(seen, &tick).is_break() {
+                        occurrence.stop();
+                    }
+                }
+            };
+            (event, condition, action)
+        });
+        let run =
+            Run::new(stepper, state).save_at(times, AtTimes(&looker)).events(watches).observe(&mut watched);
         match &law {
             Some(law) if setup.input.is_some() => {
                 run.driven_by(|time| entry.chosen(law, (&[], time))).steps(steps)
@@ -198,12 +271,13 @@ pub fn simulate(
     };
     let explained = |error, state: &[f64]| too_far::explained(error, &*system, state, job);
     let steps = job.steps.saturating_sub(stepper.steps_taken());
-    let mut report = walk(&mut stepper, &mut state, steps).map_err(|error| explained(error, &state))?;
+    let mut report =
+        walk(&mut stepper, &mut state, steps, false).map_err(|error| explained(error, &state))?;
     if job.rest == 0.0 || report.stopped || stepper.steps_taken() != job.steps {
         return Ok(report);
     }
     stepper.set_step_size(job.rest.copysign(job.step)).map_err(StepperError::from)?;
-    let last = walk(&mut stepper, &mut state, 1).map_err(|error| explained(error, &state))?;
+    let last = walk(&mut stepper, &mut state, 1, true).map_err(|error| explained(error, &state))?;
     report.steps += last.steps;
     report.stopped = last.stopped;
     report.iterations += last.iterations;
@@ -212,34 +286,66 @@ pub fn simulate(
     Ok(report)
 }
 
-/// Shows the samples that are needed to an observer.
-struct Watched<'a, 'o> {
+/// Makes samples of ticks, and shows them to an observer.
+struct Looker<'a, 'o> {
     entry: &'a Entry,
     law: Option<&'a ControlLaw>,
     held: &'a [f64],
-    next: &'a dyn Fn(u64) -> u64,
-    observer: &'a mut SampleObserver<'o>,
-    /// The sample that is shown next.
-    due: u64,
-    /// The one at the end of the run.
-    last: u64,
+    observer: RefCell<&'a mut SeenObserver<'o>>,
 }
 
-impl Observer<dyn erased::System> for Watched<'_, '_> {
-    fn observe(&mut self, tick: &Tick<'_, dyn erased::System>) -> ControlFlow<()> {
+impl Looker<'_, '_> {
+    /// The controls of a step that starts here.
+    fn controls(&self, state: &[f64], time: f64) -> Vec<f64> {
+        self.law.map_or_else(|| self.held.to_vec(), |law| self.entry.chosen(law, (state, time)))
+    }
+
+    fn look(&self, seen: Seen<'_>, tick: &Tick<'_, dyn erased::System>) -> ControlFlow<()> {
         let (index, time, state) = (tick.index, tick.time, &tick.state[..]);
-        // where the last, shorter step starts there are two ticks, and perhaps nothing to be seen
-        if index < self.due && index != self.last {
-            return ControlFlow::Continue(());
-        }
-        self.due = (self.next)(index);
         let chosen = self.law.map(|law| self.entry.chosen(law, (state, time)));
         let controls = chosen.as_deref().unwrap_or(self.held);
         let energy = tick.system.energy(state, time, controls);
         let numbers = self.entry.shown(tick.system, (state, time), controls);
         let casimirs = tick.system.casimirs(state);
         let (numbers, casimirs, snapshot) = (&numbers[..], &casimirs[..], &|| tick.snapshot());
-        (self.observer)(&Sample { index, time, state, numbers, energy, casimirs, snapshot })
+        let sample = Sample { index, time, state, numbers, energy, casimirs, snapshot };
+        // an observer looks at one sample after the other
+        self.observer
+            .try_borrow_mut()
+            .map_or(ControlFlow::Continue(()), |mut observer| observer(seen, &sample))
+    }
+}
+
+/// Shows the samples of times to an observer.
+struct AtTimes<'a, 'b, 'o>(&'a Looker<'b, 'o>);
+
+impl Observer<dyn erased::System> for AtTimes<'_, '_, '_> {
+    fn observe(&mut self, tick: &Tick<'_, dyn erased::System>) -> ControlFlow<()> {
+        self.0.look(Seen::Time, tick)
+    }
+}
+
+/// Shows the samples that are needed to an observer.
+struct Watched<'a, 'b, 'o> {
+    looker: &'a Looker<'b, 'o>,
+    next: &'a dyn Fn(u64) -> u64,
+    /// The sample that is shown next.
+    due: u64,
+    /// The one at the end of the run.
+    last: u64,
+    /// Whether it has ended before.
+    ended: &'a Cell<bool>,
+}
+
+impl Observer<dyn erased::System> for Watched<'_, '_, '_> {
+    fn observe(&mut self, tick: &Tick<'_, dyn erased::System>) -> ControlFlow<()> {
+        let index = tick.index;
+        // where the last, shorter step starts there are two ticks, and perhaps nothing to be seen
+        if index < self.due && index != self.last && !self.ended.get() {
+            return ControlFlow::Continue(());
+        }
+        self.due = (self.next)(index);
+        self.looker.look(Seen::Step, tick)
     }
 
     fn next(&self, index: u64) -> u64 {

@@ -111,14 +111,24 @@ fn a_run_ends_where_a_condition_holds() {
     let value = |line: &str| line.split(',').nth(column).and_then(|text| text.parse::<f64>().ok());
     let heights: Vec<f64> = table.lines().skip(1).map(|line| value(line).expect("a number")).collect();
     let (last, before) = heights.split_last().expect("rows");
-    assert!(*last < 0.5 && before.iter().all(|height| *height >= 0.5), "{heights:?}");
-    let steps = said.split("holds after ").nth(1).and_then(|rest| rest.split(' ').next()).expect("a note");
+    assert!((last - 0.5).abs() < 1e-14 && before.iter().all(|height| *height >= 0.5), "{heights:?}");
+    // the moment within a step
+    let told =
+        said.split("holds from ").nth(1).expect("a note").split_whitespace().collect::<Vec<_>>().join(" ");
+    let (time, rest) = told.split_once(" s on, in step ").expect("a note");
+    let time: f64 = time.parse().expect("a time");
+    let step: f64 = rest.split(':').next().and_then(|step| step.parse().ok()).expect("a step");
+    assert!((step - 1.0) * 0.01 < time && time < step * 0.01, "{time} in {step}");
+    assert!(
+        table.trim_end().lines().last().is_some_and(|row| row.starts_with(&format!("{time},"))),
+        "{table}"
+    );
     // the step before, it did not hold
     let all = ["run", "heavy_top", "--step", "0.01", "--duration", "20", "--out", "all"];
     scratch.prints(&all);
     let all = scratch.read(&scratch.named("all", "heavy_top-", ".csv"));
     let first = all.lines().skip(1).position(|line| value(line).is_some_and(|height| height < 0.5));
-    assert_eq!(first.map(|first| first.to_string()).as_deref(), Some(steps));
+    assert_eq!(first.map(|first| first as f64), Some(step));
     // it is complete, and made again as it is
     let made = scratch.read(&name.replace(".csv", ".run.json"));
     assert!(made.contains("\"complete\"") && !made.contains("interrupted"), "{made}");
@@ -128,11 +138,108 @@ fn a_run_ends_where_a_condition_holds() {
     let told = scratch.object(&["run", "heavy_top", "--until", "t >= 0.055", "--out", "told"]);
     let beside: serde_json::Value =
         serde_json::from_str(&scratch.read(&scratch.named("told", "heavy_top-", ".run.json"))).expect("JSON");
-    assert_eq!((&told["steps"], &told["duration"], &told["time"]), (&6.into(), &0.06.into(), &0.06.into()));
-    assert_eq!(told["error_estimate"]["time"], 0.06);
-    assert_eq!(beside["ended"], serde_json::json!({ "steps": 6, "time": 0.06 }));
+    assert_eq!((&told["steps"], &told["duration"], &told["time"]), (&6.into(), &0.055.into(), &0.055.into()));
+    assert_eq!(told["error_estimate"]["time"], 0.05);
+    assert_eq!(beside["ended"], serde_json::json!({ "steps": 6, "time": 0.055 }));
+    let start = scratch.object(&["run", "heavy_top", "--until", "gamma_z > 0.5", "--out", "start"]);
+    assert_eq!((&start["steps"], &start["time"]), (&0.into(), &0.0.into()));
     let never = scratch.says(&["run", "heavy_top", "--duration", "1", "--until", "t > 2", "--out", "never"]);
     assert!(never.contains("holds after none of 100 steps"), "{never}");
+}
+
+#[test]
+fn events_are_told_with_their_moments() {
+    let scratch = Scratch::new("events");
+    let run = ["run", "driven_pendulum", "--step", "0.01", "--duration", "5", "--set", "motor=0"];
+    let events =
+        ["--event", "down = angle.angle(), rising", "--event", "turn = momentum.x", "--until", "t > 4.1234"];
+    let said = scratch.says(&[&run[..], &events[..]].concat());
+    let name = scratch.named("out", "driven_pendulum-", ".events.csv");
+    let table = scratch.read(&name);
+    let mut lines = table.lines();
+    assert_eq!(lines.next(), Some("event,crossing,time,angle_re,angle_im,momentum_x,motor_x,energy,power"));
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    let number = |row: &[&str], k: usize| row[k].parse::<f64>().expect("a number");
+    assert!(rows.iter().any(|row| row[0] == "down") && rows.iter().any(|row| row[1] == "falling"), "{table}");
+    assert!(rows.windows(2).all(|pair| number(&pair[0], 2) < number(&pair[1], 2)), "{table}");
+    for row in &rows {
+        let zero = if row[0] == "down" { number(row, 4) } else { number(row, 5) };
+        assert!(zero.abs() < 1e-14, "{row:?}");
+        assert!(row[0] != "down" || row[1] == "rising", "{row:?}");
+        assert!(said.split_whitespace().any(|word| word == row[2]), "{} in {said}", row[2]);
+    }
+    // made again, and for programs
+    scratch.prints(&["run", "--again", &name.replace(".events.csv", ".run.json"), "--out", "again"]);
+    assert_eq!(scratch.read(&name.replace("out", "again")), table);
+    let object = scratch.object(&[&run[..], &events[..], &["--out", "told"]].concat());
+    assert_eq!(object["events"].as_array().map(Vec::len), Some(rows.len()));
+    assert_eq!(object["events"][0]["time"].as_f64(), Some(number(&rows[0], 2)));
+    // and with a checkpoint
+    scratch.prints(&[&run[..], &events[..], &["--checkpoint", "run.ck", "--out", "kept"]].concat());
+    assert_eq!(scratch.read(&name.replace("out", "kept")), table);
+    for (event, reason) in [
+        ("angle", "a number is asked for"),
+        ("up = momntum.x, rising", "did you mean `momentum`"),
+        ("up = momentum.x, upwards", "cannot parse"),
+    ] {
+        let refused = scratch.fails(2, &["run", "driven_pendulum", "--event", event]);
+        assert!(refused.contains(event.split(',').next().unwrap_or_default()), "{refused} {reason}");
+    }
+    let twice =
+        scratch.fails(2, &["run", "driven_pendulum", "--event", "e = t", "--event", "e = momentum.x"]);
+    assert!(twice.contains("there are two events `e`"), "{twice}");
+}
+
+#[test]
+fn states_are_written_at_times_of_ones_own() {
+    let scratch = Scratch::new("times");
+    let run = ["run", "heavy_top", "--step", "0.04", "--duration", "0.5"];
+    let column = |table: &str, place: usize| -> Vec<f64> {
+        table.lines().skip(1).filter_map(|line| line.split(',').nth(place)?.parse().ok()).collect()
+    };
+    scratch.prints(
+        &[&run[..], &["--at", "0,0.1,0.25,0.5", "--plot", "--html", "at/page.html", "--out", "at"]].concat(),
+    );
+    let name = scratch.named("at", "heavy_top-", ".csv");
+    let table = scratch.read(&name);
+    assert_eq!(column(&table, 0), [0.0, 0.1, 0.25, 0.5]);
+    scratch.prints(&["run", "--again", &name, "--out", "again"]);
+    assert_eq!(scratch.read(&name.replace("at/", "again/")), table);
+    scratch.prints(
+        &[&run[..], &["--every-seconds", "0.1", "--checkpoint", "run.ck", "--out", "every"]].concat(),
+    );
+    let every = scratch.read(&scratch.named("every", "heavy_top-", ".csv"));
+    assert_eq!(column(&every, 0), [0.0, 0.1, 0.2, 0.30000000000000004, 0.4, 0.5]);
+    // the end is that of the run without
+    scratch.prints(&[&run[..], &["--out", "steps"]].concat());
+    let steps = scratch.read(&scratch.named("steps", "heavy_top-", ".csv"));
+    assert_eq!(table.lines().last(), steps.lines().last());
+    assert_eq!(table.lines().nth(1), steps.lines().nth(1));
+    // back in time
+    let back = [
+        "run",
+        "heavy_top",
+        "--step",
+        "-0.04",
+        "--duration",
+        "0.5",
+        "--every-seconds",
+        "0.25",
+        "--out",
+        "back",
+    ];
+    scratch.prints(&back);
+    assert_eq!(column(&scratch.read(&scratch.named("back", "heavy_top-", ".csv")), 0), [0.0, -0.25, -0.5]);
+    for (arguments, reason) in [
+        (["--at", "0.1,0.6"], "the run goes from 0 to 0.5 s"),
+        (["--at", "0.2,0.1"], "times stand in the order of the run"),
+        (["--at=-0.1", "--quiet"], "the run goes from 0 to 0.5 s"),
+        (["--every-seconds", "0"], "must be finite and positive"),
+        (["--every-seconds", "1e-300"], "are too many times"),
+    ] {
+        let refused = scratch.fails(2, &[&run[..], &arguments[..]].concat());
+        assert!(refused.contains(reason), "{refused}");
+    }
 }
 
 #[test]

@@ -98,6 +98,7 @@ impl Asked {
             columns: Vec::new(),
             quantity: Vec::new(),
             until: None,
+            moments: Default::default(),
             format: None,
             plot: false,
             html: Some(html.to_owned()),

@@ -72,6 +72,7 @@ pub(crate) fn paper(
             every: EVERY,
             quantity: Vec::new(),
             until: None,
+            moments: Default::default(),
             watch: true,
             format: Some(Format::Csv),
             plot: false,
