@@ -20,13 +20,21 @@ pub trait Dense<S: Dynamics + ?Sized> {
     /// # Errors
     /// If there is none.
     fn at(&mut self, share: f64, state: &mut S::State) -> Result<(), StepError>;
+    /// Writes the coefficients of the condition of an event in powers of the share, the constant one first, and how many there are, if they are known:
+    /// then nothing within the step need be looked at to find its zeros.
+    fn series(&mut self, _event: usize, _coefficients: &mut Coefficients) -> Option<usize> {
+        None
+    }
 }
+
+/// Of a polynomial of no degree above 32.
+pub(crate) type Coefficients = [f64; 33];
 
 /// A step that was taken, and the motion within it: dense output.
 ///
 /// The state within the step is where the scheme's own shorter step leads to from the state before it. It is on its group, and on its coadjoint orbit, as
 /// those at the ends are; it has the order of the scheme, and a smaller error; and it is continuous. To compute it takes as long as a step
-/// from a new state, which is three to five steps.
+/// from a new state.
 ///
 /// ```
 /// use coadjoint::Interval;

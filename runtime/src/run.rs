@@ -417,7 +417,8 @@ where
         G: FnMut(&S::State, f64) -> f64,
         F: FnMut(&mut Occurrence<'_, S>),
     {
-        self.doing(Watched::new(event, condition, action))
+        let number = self.within.events();
+        self.doing(Watched::new(number, event, condition, action))
     }
 
     /// As [`event`](Self::event), for a list of events, of which there are as many as the program finds out when it runs: each with its condition
@@ -431,9 +432,11 @@ where
         G: FnMut(&S::State, f64) -> f64,
         F: FnMut(&mut Occurrence<'_, S>),
     {
-        let watched =
-            events.into_iter().map(|(event, condition, action)| Watched::new(event, condition, action));
-        self.doing(watched.collect())
+        let numbered = (self.within.events()..).zip(events);
+        let watched = numbered
+            .map(|(number, (event, condition, action))| Watched::new(number, event, condition, action));
+        let watched = watched.collect();
+        self.doing(watched)
     }
 
     /// Shows the states at these times to `observer`, whatever steps are taken: they are those [within](crate::Interval) the steps, which stay as they are.

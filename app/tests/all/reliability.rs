@@ -232,6 +232,53 @@ fn runs_that_are_killed_go_on_to_the_same_bytes() {
     println!("{kills} kills, {in_the_midst} in the midst of a run, {resumed} runs resumed");
 }
 
+/// Times that steps do not lead to, some that they do, and events.
+#[test]
+fn times_and_events_go_on_to_the_same_bytes() {
+    let run = ["run", "heavy_top", "--duration", "400", "--step", "0.02", "--every-seconds", "0.05"];
+    let events =
+        ["--event", "up = gamma_z - 0.5, rising", "--event", "gamma_x", "--plot", "--html", "out/page.html"];
+    let (whole, scratch) = (Scratch::new("whole-times"), Scratch::new("killed-times"));
+    whole.prints(&[&run[..], &events[..]].concat());
+    let (mut begun, mut resumed) = (false, 0);
+    for bytes in (0..).map(|k| 200_000 * k) {
+        let arguments = match begun {
+            true => vec!["resume", "run.ck"],
+            false => [&run[..], &events[..], &CHECKPOINT[..]].concat(),
+        };
+        resumed += usize::from(begun);
+        let mut child = scratch.command(&arguments).spawn().expect("it starts");
+        let is_saved = || fs::metadata(scratch.path("run.ck.rows")).is_ok_and(|file| file.len() >= bytes);
+        while child.try_wait().expect("waits").is_none() {
+            if is_saved() {
+                signal(&child, ["-KILL", "-TERM"][usize::from(bytes % 400_000 == 0)]);
+                break;
+            }
+            std::thread::sleep(Duration::from_micros(100));
+        }
+        if child.wait().expect("it ends").success() {
+            break;
+        }
+        begun = scratch.path("run.ck").exists();
+        if !begun {
+            let _ = fs::remove_file(scratch.path("run.ck.rows"));
+        }
+    }
+    assert!(resumed > 1, "{resumed}");
+    for (begins, ends) in
+        [("heavy_top-", ".events.csv"), ("heavy_top-", ".csv"), ("heavy_top-", ".svg"), ("page", ".html")]
+    {
+        let names = |scratch: &Scratch| -> Vec<String> {
+            let all = scratch.files("out").into_iter();
+            let is_other = |name: &str| ends == ".csv" && name.ends_with(".events.csv");
+            all.filter(|name| name.starts_with(begins) && name.ends_with(ends) && !is_other(name)).collect()
+        };
+        assert_eq!((names(&whole), names(&whole).len()), (names(&scratch), 1));
+        let place = format!("out/{}", names(&whole)[0]);
+        assert!(whole.bytes(&place) == scratch.bytes(&place), "{place}");
+    }
+}
+
 /// Half of the kills come within milliseconds of the end of a run, when the trajectory's file is begun; the others when some of its rows are
 /// saved, and a few at any moment.
 fn wait_for_a_moment(scratch: &Scratch, child: &mut Child, name: &str, random: &mut Random) {

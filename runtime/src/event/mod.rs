@@ -55,9 +55,9 @@ pub enum Crossing {
 
 /// How a quantity is watched: which zeros count, whether they end the run, and how closely one looks.
 ///
-/// A zero is found where values of different signs are seen. They are looked at where steps end, and where those of the last steps say that
-/// there may be a zero in between, or a few of them, at four points within the step. Whatever has two zeros between two of these points and does not
-/// come close to zero at them can be missed: [`points`](Self::points) says how many to look at in every step.
+/// A zero is found where values of different signs are seen. They are looked at where steps end, and where the parabola through the last of these does
+/// not tell that there is one zero or none in between, at four points within the step. Whatever has two zeros between two of these points, and at
+/// them no dip towards zero, can be missed: [`points`](Self::points) says how many to look at in every step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[must_use = "`Run::event` watches it"]
 pub struct Event {
@@ -88,7 +88,7 @@ impl Event {
     }
 
     /// Looks at so many points within every step, evenly spaced, whatever the values at its ends; 0 for the ends alone, 64 at most. To look at
-    /// one of them takes as long as three to five steps.
+    /// one of them takes as long as a step from a new state.
     pub const fn points(self, points: u32) -> Self {
         let points = if points > MOST_POINTS { MOST_POINTS } else { points };
         Self { points: Some(points), ..self }

@@ -11,9 +11,8 @@
 use super::Crossing;
 use super::search::{Point, crossing};
 
-/// The highest degree.
-pub(crate) const MOST_DEGREE: usize = 32;
-const LENGTH: usize = MOST_DEGREE + 1;
+/// Coefficients, at most.
+const LENGTH: usize = 33;
 
 /// A root.
 #[derive(Clone, Copy, Debug, PartialEq)]

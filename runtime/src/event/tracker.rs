@@ -3,6 +3,7 @@
 //! The quantity has a side, the sign that it had last, or none where it starts from zero. A zero is where it comes to the other side, or to zero from
 //! one: to start from zero is no event, to come back is.
 
+use super::roots::{Answer, roots};
 use super::search::{Function, Point, crossing, dip};
 use super::{Crossing, Event, MOST_POINTS};
 use crate::error::StepError;
@@ -110,8 +111,11 @@ impl Tracker {
         let [before, last] = self.history;
         let (second, third) = (end - 2.0 * start + last, end - 3.0 * start + 3.0 * last - before);
         let is_far = start.abs().min(end.abs()) > 0.125 * second.abs() + 0.25 * third.abs();
-        let is_same_side = self.side.is_some() && self.side == side(end, 0.0);
-        if self.known >= 2 && is_far && is_same_side { 0 } else { USUAL }
+        let is_same_side = self.side == side(end, 0.0);
+        // all values are between those at the ends: one zero, or none
+        let is_monotone = (end - start).abs() > second.abs() + third.abs();
+        let is_known = self.known >= 2 && self.side.is_some();
+        if is_known && (is_monotone || is_far && is_same_side) { 0 } else { USUAL }
     }
 
     /// Sees a value within the step, or at its end.
@@ -119,11 +123,54 @@ impl Tracker {
         self.push(Point { at, value });
     }
 
-    /// Looks for the first zero, once all values are known.
+    /// Looks at the points within a step, between whose start and end the quantity has this series, that tell its zeros: those between them, and
+    /// double ones. Nothing of it counts but where they are: values are those of the states.
+    pub(super) fn see_series(
+        &mut self,
+        coefficients: &[f64],
+        function: &mut Function<'_, StepError>,
+    ) -> Result<(), StepError> {
+        let (mut places, mut count, mut before) = ([0.0; MOST], 0, 0.0);
+        let mut put = |at: f64| {
+            if let Some(slot) = places.get_mut(count) {
+                *slot = at;
+                count += 1;
+            }
+        };
+        let answer = roots(coefficients, &mut |root| {
+            put(0.5 * (before + root.at));
+            if root.crossing == Crossing::Touch {
+                put(root.at);
+            }
+            before = root.at;
+        });
+        if before > 0.0 {
+            put(0.5 * (before + 1.0));
+        }
+        if answer != Answer::All {
+            count = 0;
+            places.iter_mut().zip(1..=USUAL).for_each(|(place, k)| {
+                *place = f64::from(k) / f64::from(USUAL + 1);
+                count += 1;
+            });
+        }
+        let mut last = 0.0;
+        for &at in places.get(..count).unwrap_or_default() {
+            if at > last && at < 1.0 {
+                let value = function(at)?;
+                self.insert(self.count.saturating_sub(1), Point { at, value });
+                last = at;
+            }
+        }
+        Ok(())
+    }
+
+    /// Looks for the first zero, once all values are known; with those between them, unless a series tells them.
     pub(super) fn settle(
         &mut self,
         function: &mut Function<'_, StepError>,
         tolerance: f64,
+        has_series: bool,
     ) -> Result<(), StepError> {
         let largest = self.points().iter().fold(0.0_f64, |largest, point| largest.max(point.value.abs()));
         self.rounding = if largest.is_finite() { 4.0 * f64::EPSILON * largest } else { 0.0 };
@@ -131,7 +178,7 @@ impl Tracker {
         if self.side.is_none() {
             self.leave_zero(function)?;
         }
-        if self.count > 2 {
+        if self.count > 2 && !has_series {
             self.refine(function, largest)?;
         }
         self.seek(function, tolerance)

@@ -5,7 +5,7 @@ use core::ops::ControlFlow;
 use super::tracker::Tracker;
 use super::{Event, Moment, Occurrence};
 use crate::error::StepError;
-use crate::interval::Dense;
+use crate::interval::{Coefficients, Dense};
 use crate::observe::Observer;
 use crate::system::Dynamics;
 use crate::tick::Tick;
@@ -23,7 +23,7 @@ pub trait Within<S: Dynamics + ?Sized> {
     /// Steps of another length begin.
     fn forget(&mut self);
     /// How many points within a step with this end have to be looked at.
-    fn wanted(&mut self, state: &S::State, time: f64) -> u32;
+    fn wanted(&mut self, dense: &mut dyn Dense<S>, state: &S::State, time: f64) -> u32;
     /// Sees a state within the step; or at its end, which was seen already.
     fn see(&mut self, share: f64, state: &S::State, time: f64);
     /// Sees the end.
@@ -59,7 +59,7 @@ impl<S: Dynamics + ?Sized> Within<S> for () {
     }
     fn start(&mut self, _: &S::State, _: f64) {}
     fn forget(&mut self) {}
-    fn wanted(&mut self, _: &S::State, _: f64) -> u32 {
+    fn wanted(&mut self, _: &mut dyn Dense<S>, _: &S::State, _: f64) -> u32 {
         0
     }
     fn see(&mut self, _: f64, _: &S::State, _: f64) {}
@@ -97,8 +97,8 @@ impl<S: Dynamics + ?Sized, A: Within<S>, B: Within<S>> Within<S> for (A, B) {
         self.0.forget();
         self.1.forget();
     }
-    fn wanted(&mut self, state: &S::State, time: f64) -> u32 {
-        self.0.wanted(state, time).max(self.1.wanted(state, time))
+    fn wanted(&mut self, dense: &mut dyn Dense<S>, state: &S::State, time: f64) -> u32 {
+        self.0.wanted(dense, state, time).max(self.1.wanted(dense, state, time))
     }
     fn see(&mut self, share: f64, state: &S::State, time: f64) {
         self.0.see(share, state, time);
@@ -150,11 +150,17 @@ pub struct Watched<G, F> {
     action: F,
     /// The value at the end of the step.
     end: f64,
+    /// Its number, in the order in which events were added.
+    number: usize,
+    /// The series of the condition within the step, so far as it is known.
+    series: Coefficients,
+    length: Option<usize>,
 }
 
 impl<G, F> Watched<G, F> {
-    pub(crate) fn new(event: Event, condition: G, action: F) -> Self {
-        Self { tracker: Tracker::new(event), condition, action, end: f64::NAN }
+    pub(crate) fn new(number: usize, event: Event, condition: G, action: F) -> Self {
+        let (tracker, series) = (Tracker::new(event), [0.0; 33]);
+        Self { tracker, condition, action, end: f64::NAN, number, series, length: None }
     }
 }
 
@@ -176,12 +182,16 @@ where
         self.tracker.forget();
     }
 
-    fn wanted(&mut self, state: &S::State, time: f64) -> u32 {
+    fn wanted(&mut self, dense: &mut dyn Dense<S>, state: &S::State, time: f64) -> u32 {
         self.end = (self.condition)(state, time);
-        self.tracker.wanted(self.end)
+        self.length = dense.series(self.number, &mut self.series);
+        if self.length.is_some() { 0 } else { self.tracker.wanted(self.end) }
     }
 
     fn see(&mut self, share: f64, state: &S::State, time: f64) {
+        if self.length.is_some() {
+            return;
+        }
         self.tracker.see(share, (self.condition)(state, time));
     }
 
@@ -204,7 +214,11 @@ where
             Ok((self.condition)(state, dense.time(share)))
         };
         if is_first {
-            self.tracker.settle(&mut value, tolerance)
+            let series = self.length.and_then(|length| self.series.get(..length));
+            if let Some(series) = series {
+                self.tracker.see_series(series, &mut value)?;
+            }
+            self.tracker.settle(&mut value, tolerance, series.is_some())
         } else {
             self.tracker.seek(&mut value, tolerance)
         }
@@ -248,8 +262,8 @@ impl<S: Dynamics + ?Sized, X: Within<S>> Within<S> for std::vec::Vec<X> {
     fn forget(&mut self) {
         self.iter_mut().for_each(X::forget);
     }
-    fn wanted(&mut self, state: &S::State, time: f64) -> u32 {
-        self.iter_mut().map(|one| one.wanted(state, time)).max().unwrap_or(0)
+    fn wanted(&mut self, dense: &mut dyn Dense<S>, state: &S::State, time: f64) -> u32 {
+        self.iter_mut().map(|one| one.wanted(dense, state, time)).max().unwrap_or(0)
     }
     fn see(&mut self, share: f64, state: &S::State, time: f64) {
         self.iter_mut().for_each(|one| one.see(share, state, time));
@@ -312,7 +326,7 @@ impl<S: Dynamics + ?Sized, I: Iterator<Item = f64>, O: Observer<S>> Within<S> fo
     }
     fn start(&mut self, _: &S::State, _: f64) {}
     fn forget(&mut self) {}
-    fn wanted(&mut self, _: &S::State, _: f64) -> u32 {
+    fn wanted(&mut self, _: &mut dyn Dense<S>, _: &S::State, _: f64) -> u32 {
         0
     }
     fn see(&mut self, _: f64, _: &S::State, _: f64) {}
@@ -346,5 +360,111 @@ impl<S: Dynamics + ?Sized, I: Iterator<Item = f64>, O: Observer<S>> Within<S> fo
         }
         (self.shown, self.due) = (self.due, self.times.next());
         self.observer.observe(tick)
+    }
+}
+
+#[cfg(all(test, feature = "std"))]
+mod tests {
+    use super::*;
+    use crate::error::ParameterError;
+    use crate::event::{Crossing, SetParameters};
+    use crate::tests::{Oscillator, OscillatorControl, OscillatorState};
+    use std::vec::Vec;
+
+    /// A motion whose position is a polynomial of the share of the step, and the same polynomial as the series of each event.
+    struct Polynomial<'a> {
+        coefficients: &'a [f64],
+        looks: u32,
+    }
+
+    impl Polynomial<'_> {
+        fn value(&self, share: f64) -> f64 {
+            self.coefficients.iter().rev().fold(0.0, |sum, x| sum * share + x)
+        }
+    }
+
+    impl Dense<Oscillator> for Polynomial<'_> {
+        fn time(&self, share: f64) -> f64 {
+            7.0 + share
+        }
+        fn resolution(&self) -> f64 {
+            4e-16
+        }
+        fn at(&mut self, share: f64, state: &mut OscillatorState) -> Result<(), StepError> {
+            self.looks += 1;
+            *state = OscillatorState::new(self.value(share), 0.0);
+            Ok(())
+        }
+        fn series(&mut self, _: usize, coefficients: &mut Coefficients) -> Option<usize> {
+            coefficients.iter_mut().zip(self.coefficients).for_each(|(to, from)| *to = *from);
+            Some(self.coefficients.len())
+        }
+    }
+
+    struct Nothing(Oscillator);
+
+    impl SetParameters<Oscillator> for Nothing {
+        fn system(&self) -> &Oscillator {
+            &self.0
+        }
+        fn set_parameters(&mut self, _: &Oscillator) -> Result<(), ParameterError> {
+            Ok(())
+        }
+    }
+
+    /// What an event finds in one step with this series, and how many states it looks at.
+    fn found(event: Event, coefficients: &[f64]) -> (Vec<(f64, Crossing)>, u32) {
+        let mut all = Vec::new();
+        let position = |state: &OscillatorState, _: f64| state.position.x;
+        let action =
+            |event: &mut Occurrence<'_, Oscillator>| all.push((event.time() - 7.0, event.crossing()));
+        let mut within = Watched::new(0, event, position, action);
+        let mut dense = Polynomial { coefficients, looks: 0 };
+        let [start, end] = [0.0, 1.0].map(|share| OscillatorState::new(dense.value(share), 0.0));
+        let mut scratch = start;
+        within.start(&start, 7.0);
+        assert_eq!(within.wanted(&mut dense, &end, 8.0), 0);
+        within.see_end();
+        within.seek(&mut dense, &mut scratch, true).expect("polynomials have values");
+        while let Some(next) = Within::<Oscillator>::next(&within, None) {
+            let (mut state, mut control) = (scratch, OscillatorControl::new(0.0));
+            let mut moment = Moment {
+                time: dense.time(next),
+                before: &scratch,
+                state: &mut state,
+                control: &mut control,
+                is_held: true,
+                stepper: &mut Nothing(Oscillator { mass: 1.0, stiffness: 1.0, drive: 0.0 }),
+                is_changed: false,
+                is_control_changed: false,
+            };
+            within.call(next, 0, &mut moment);
+            within.seek(&mut dense, &mut scratch, false).expect("polynomials have values");
+        }
+        (all, dense.looks)
+    }
+
+    #[test]
+    fn a_series_tells_all_zeros_of_a_step() {
+        use Crossing::{Falling, Rising, Touch};
+        // Chebyshev's polynomial of degree 8, from 0 to 1
+        let chebyshev = [1.0, -128.0, 2688.0, -21504.0, 84480.0, -180224.0, 212992.0, -131072.0, 32768.0];
+        let (all, _) = found(Event::any(), &chebyshev);
+        assert_eq!(all.len(), 8, "{all:?}");
+        for (k, (share, crossing)) in all.iter().enumerate() {
+            let exact = 0.5 - 0.5 * ((2 * k + 1) as f64 * core::f64::consts::PI / 16.0).cos();
+            assert!((share - exact).abs() < 1e-12, "{share} for {exact}");
+            assert_eq!(*crossing, if k % 2 == 0 { Falling } else { Rising });
+        }
+        assert_eq!(found(Event::rising(), &chebyshev).0.len(), 4);
+        // from zero, a touch, and a zero at the end
+        let (all, _) = found(Event::any(), &[0.0, 1.0, -3.0, 2.0]);
+        assert_eq!(all, [(0.5, Falling), (1.0, Rising)]);
+        let (all, _) = found(Event::any(), &[0.25, -1.0, 1.0]);
+        assert_eq!(all, [(0.5, Touch)]);
+        assert_eq!(found(Event::falling(), &[0.25, -1.0, 1.0]).0, []);
+        // what has no zero takes no look
+        assert_eq!(found(Event::any(), &[1.0, 0.5, 0.1]), (Vec::new(), 0));
+        assert_eq!(found(Event::any(), &[0.0]).0, []);
     }
 }

@@ -281,7 +281,8 @@ where
             stepper: self.stepper,
         };
         if is_first {
-            let points = self.within.wanted(dense.after, dense.end);
+            let (after, end) = (dense.after, dense.end);
+            let points = self.within.wanted(&mut dense, after, end);
             for k in 1..=points {
                 let share = f64::from(k) / f64::from(points + 1);
                 dense.at(share, scratch)?;
