@@ -310,7 +310,7 @@ impl Assembler<'_> {
             Term::Function(program::Elementary::AngleOverSine(order), x) => {
                 let x = self.term(x, None);
                 self.release(x);
-                let place = self.put(Operation::AngleOverSine, to, [x.place(), *order as u32, 0]);
+                let place = self.put(Operation::AngleOverSine, to, [x.place(), *order, 0]);
                 temporary(place, to)
             }
             Term::Function(function, x) => self.made(to, elementary(*function), &[x]),

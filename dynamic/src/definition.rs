@@ -5,7 +5,7 @@ use std::sync::Arc;
 use coadjoint::erased::RetractionKind;
 use coadjoint::erased::dynamic::{
     Definition, Given, Inertia, LANES, Layout, Lengths, Rule, Step, StepFunction, StepFunctions,
-    SystemFunction, SystemFunctions, description,
+    SystemFunction, SystemFunctions, Work, description, side_by_side,
 };
 use coadjoint::{Kind, Quantity, Role, Side};
 use coadjoint_codegen::emit::bytes;
@@ -110,13 +110,29 @@ const FUNCTIONS: [(StepFunction, StepRole); 8] = [
     (StepFunction::Finish, StepRole::Finish),
 ];
 
+/// Code for frames side by side.
+struct Wide<'a> {
+    code: &'a Code,
+    frame: &'a mut [[f64; LANES]],
+}
+
+impl Work for Wide<'_> {
+    type CallSite = ();
+    type Result = ();
+
+    #[inline(always)]
+    fn done(self) {
+        self.code.run(self.frame);
+    }
+}
+
 impl StepFunctions for Interpreted {
     fn call(&self, function: StepFunction, frame: &mut [f64]) {
         self.0[function as usize].run::<1>(frame.as_chunks_mut().0);
     }
 
     fn call_wide(&self, function: StepFunction, frame: &mut [[f64; LANES]]) {
-        self.0[function as usize].run(frame);
+        side_by_side(Wide { code: &self.0[function as usize], frame });
     }
 }
 

@@ -98,6 +98,7 @@ const MOST: usize = 12;
 
 impl Code {
     /// Runs it on frames side by side.
+    #[inline(always)]
     pub(crate) fn run<const L: usize>(&self, frame: &mut [[f64; L]]) {
         macro_rules! each {
             ($line:ident, $($x:ident = $operand:ident),+ => $value:expr) => {{
@@ -132,6 +133,7 @@ impl Code {
         }
     }
 
+    #[inline]
     fn stumpff<const L: usize>(&self, line: &Line, frame: &mut [[f64; L]]) {
         let (family, z) = (&self.families[line.b as usize], frame[line.a as usize]);
         macro_rules! of_length {

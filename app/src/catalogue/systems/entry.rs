@@ -303,7 +303,9 @@ impl std::fmt::Debug for Entry {
 fn ones(quantity: &Quantity) -> Vec<f64> {
     let count = quantity.components.len();
     match quantity.kind {
-        Kind::SymmetricMatrix(rows) => (0..count).map(|k| f64::from(u8::from(k % (rows + 1) == 0))).collect(),
+        Kind::SymmetricMatrix(rows) => {
+            (0..count).map(|k| f64::from(u8::from(k.is_multiple_of(rows + 1)))).collect()
+        }
         _ => vec![1.0; count],
     }
 }
@@ -313,7 +315,7 @@ fn identity(quantity: &Quantity) -> Vec<f64> {
     let is_one = |k: usize| match quantity.kind {
         _ if quantity.role != Role::Configuration => false,
         Kind::UnitComplex | Kind::UnitQuaternion | Kind::RigidMotion2 | Kind::RigidMotion3 => k == 0,
-        Kind::Matrix(_, columns) => k % (columns + 1) == 0,
+        Kind::Matrix(_, columns) => k.is_multiple_of(columns + 1),
         _ => false,
     };
     (0..quantity.components.len()).map(|k| f64::from(u8::from(is_one(k)))).collect()

@@ -268,10 +268,10 @@ pub(super) trait OfKernel<T: Called> {
 pub(super) fn of_kernel<T: Called, O: OfKernel<T>>(step: &Arc<Step>, of: O) -> O::Made {
     match step.layout.unknown.len() {
         0 => of.made::<0>(step),
-        ..=3 => of.made::<3>(step),
-        ..=6 => of.made::<6>(step),
+        1..=3 => of.made::<3>(step),
+        4..=6 => of.made::<6>(step),
         // side by side there are none that are larger
-        ..=MOST_IN_LANES => of.made::<MOST_IN_LANES>(step),
+        7..=MOST_IN_LANES => of.made::<MOST_IN_LANES>(step),
         unknowns => {
             if const { T::LANES > 1 } {
                 of.made::<MOST_IN_LANES>(step)

@@ -152,7 +152,7 @@ impl<const U: usize> Equation for DynamicEquation<U> {
     }
 
     fn solution(&self) -> Option<Vec<f64>> {
-        self.with(|equation| solve::cold(equation)).ok().map(|unknown| self.own(&unknown))
+        self.with(solve::cold).ok().map(|unknown| self.own(&unknown))
     }
 
     fn is_inside(&self, unknown: &[f64]) -> bool {

@@ -8,7 +8,8 @@ mod method;
 mod step;
 mod system;
 
-pub use crate::scalar::simd::frame::LANES;
+pub use crate::scalar::Work;
+pub use crate::scalar::simd::frame::{LANES, side_by_side};
 pub use crate::scheme::Rule;
 pub use kernel::MOST_UNKNOWNS;
 pub use step::{Layout, Lengths, Step, StepFunction, StepFunctions};

@@ -10,8 +10,8 @@ use std::sync::Arc;
 use super::lanes::Portable;
 use super::lanes::{Lanes, Processor};
 #[cfg(target_arch = "x86_64")]
-use super::processor::Avx2;
-use crate::scalar::Batch;
+use super::processor::{Avx2, Avx512};
+use crate::scalar::{Batch, Work};
 
 /// How many members of an ensemble are side by side where their functions are made at run time: what leads to an operation is done once for all
 /// of them.
@@ -30,6 +30,18 @@ pub(crate) fn has_lanes() -> bool {
     return Avx2::is_here();
     #[cfg(not(target_arch = "x86_64"))]
     return true;
+}
+
+/// Does work on many numbers side by side, compiled for the best processor that there is.
+#[inline]
+pub fn side_by_side<W: Work>(work: W) -> W::Result {
+    #[cfg(target_arch = "x86_64")]
+    if Avx512::is_here() {
+        return Avx512::dispatch(work);
+    } else if Avx2::is_here() {
+        return Avx2::dispatch(work);
+    }
+    work.done()
 }
 
 /// Numbers that are in frames as themselves, or as an array of what is in each lane.
