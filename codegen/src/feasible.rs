@@ -25,18 +25,21 @@ pub(crate) fn sizes(description: &Description<'_>, diagnostics: &mut Diagnostics
 }
 
 /// Reports that there was too much to derive, or with numbers beyond `f64`, at the expression that most of it comes
-/// from. `None` if so.
+/// from, and the rule of a lower order of which there is not too much. `None` if so.
 pub(crate) fn derived(
     arena: &Arena,
     attribute: &Attribute,
     item: &Item,
+    lower: impl FnOnce() -> Option<String>,
     diagnostics: &mut Diagnostics,
 ) -> Option<()> {
     let message = if arena.is_exhausted() {
+        let lower = lower().map(|rule| format!("take `{rule}`, the highest order that fits"));
+        let ways = lower.into_iter().chain(lighter(attribute).into_iter().map(str::to_owned));
         format!(
             "deriving the steps of this system takes sums and products of more than {DERIVATION} operands, the bound of what compiles in \
              seconds; {}",
-            lighter(attribute).join(", or ")
+            ways.collect::<Vec<_>>().join(", or ")
         )
     } else if !arena.is_finite() {
         "the derivatives of this have constants that are too large; choose other units".to_owned()

@@ -43,7 +43,7 @@ pub use lie_group::{expression, lie_group};
 use model::System;
 use parse::{Attribute, Item};
 use program::Program;
-use scheme::Scheme;
+use scheme::{Derivatives, Parameter, Scheme};
 
 /// The whole of the attribute macro: what takes the place of the annotated item. Problems become compile errors at the
 /// user's tokens, beside as much of the expansion as can be made, or beside something that has all its names, so that
@@ -184,7 +184,7 @@ fn compile<R>(
     feasible::legendre(&system, attribute, diagnostics)?;
     let schemes = schemes(&system, attribute);
     let mut program = derive::program(&arena, &system, &displacing(&schemes));
-    feasible::derived(&arena, attribute, &item, diagnostics)?;
+    feasible::derived(&arena, attribute, &item, || None, diagnostics)?;
     let wanted = attribute.derivatives;
     let mut work = arena.work();
     for (scheme, aliases) in schemes {
@@ -192,17 +192,38 @@ fn compile<R>(
         let arena = Arena::limited(limits::DERIVATION - work);
         let system = System::build(&arena, &description, &mut Diagnostics::new())?;
         program.steps.push(derive::step(&arena, &system, scheme, aliases, wanted));
-        feasible::derived(&arena, attribute, &item, diagnostics)?;
+        let lower = || fitting_order(&description, scheme, wanted, limits::DERIVATION - work);
+        feasible::derived(&arena, attribute, &item, lower, diagnostics)?;
         work += arena.work();
     }
     if attribute.taylor {
         let arena = Arena::limited(limits::DERIVATION - work);
         let system = System::build(&arena, &description, &mut Diagnostics::new())?;
         program.taylor = derive::series(&arena, &system);
-        feasible::derived(&arena, attribute, &item, diagnostics)?;
+        feasible::derived(&arena, attribute, &item, || None, diagnostics)?;
         feasible::has_series(program.taylor.is_some(), attribute, &item, diagnostics)?;
     }
     Some(emit(program, &system, attribute, &item))
+}
+
+/// The rule of the highest lower order of which a step can be derived with so much work.
+fn fitting_order(
+    description: &check::Description<'_>,
+    scheme: Scheme,
+    wanted: Derivatives,
+    work: usize,
+) -> Option<String> {
+    let Parameter::Order(order) = scheme.rule.parameter else { return None };
+    let method = scheme.rule.method;
+    let fits = |&lower: &u32| {
+        let arena = Arena::limited(work);
+        let system = System::build(&arena, description, &mut Diagnostics::new());
+        let scheme = Scheme { rule: method.of_order(lower), ..scheme };
+        let step = system.map(|system| derive::step(&arena, &system, scheme, Vec::new(), wanted));
+        step.is_some() && !arena.is_exhausted()
+    };
+    let mut lower = method.orders.iter().copied().rev().filter(|&lower| lower < order);
+    lower.find(fits).map(|order| format!("{}({order})", method.name))
 }
 
 /// The retractions to generate steps with: those that are named, or the usual ones that the groups have. Of these a

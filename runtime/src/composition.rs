@@ -277,14 +277,17 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
     }
 
     #[inline(always)]
-    fn leave(&mut self, path: &mut Self::FastPath, steps: u64, stages: usize) {
-        let mut left = stages;
-        let Some(paths) = path else { return };
+    fn leave(&mut self, path: &mut Self::FastPath, steps: u64, stages: usize) -> (u64, u32) {
+        let (mut left, mut more) = (stages, (0, 0));
+        let Some(paths) = path else { return more };
         for (step, path) in self.steps.as_mut().iter_mut().zip(paths.as_mut()) {
             let is_through = left >= B::STAGES;
-            step.leave(path, steps + u64::from(is_through), if is_through { 0 } else { left });
+            let (all, most) =
+                step.leave(path, steps + u64::from(is_through), if is_through { 0 } else { left });
+            more = (more.0 + all, more.1 + most);
             left = left.saturating_sub(B::STAGES);
         }
+        more
     }
 
     #[inline(always)]

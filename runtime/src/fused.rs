@@ -144,8 +144,8 @@ impl<S: Discretized<M>, M, T: Batch> Method for FusedMethod<S, M, T> {
     }
 
     #[inline(always)]
-    fn leave(&mut self, path: &mut Self::FastPath, steps: u64, stages: usize) {
-        self.0.leave(path, steps, stages);
+    fn leave(&mut self, path: &mut Self::FastPath, steps: u64, stages: usize) -> (u64, u32) {
+        self.0.leave(path, steps, stages)
     }
 
     #[inline(always)]

@@ -83,10 +83,13 @@ pub trait Method: Clone + Send + Sync {
     ) -> (Self::State, Option<usize>) {
         (*state, Some(0))
     }
-    /// Remembers what was on the fast path: so many steps, and so many stages of one more.
+    /// Remembers what was on the fast path: so many steps, and so many stages of one more. How many iterations more these took than the
+    /// fewest, all together and in one step at most.
     #[inline(always)]
-    fn leave(&mut self, _path: &mut Self::FastPath, _steps: u64, _stages: usize) {}
-    /// The iterations of a step on the fast path, and a bound of the residual that it leaves.
+    fn leave(&mut self, _path: &mut Self::FastPath, _steps: u64, _stages: usize) -> (u64, u32) {
+        (0, 0)
+    }
+    /// The fewest iterations of a step on the fast path, and a bound of the residual that it leaves.
     #[inline(always)]
     fn on_fast_path(&self) -> (<Self::Scalar as Batch>::Each<u32>, Self::Scalar) {
         (Self::Scalar::all(0), Self::Scalar::of(0.0))
@@ -153,16 +156,16 @@ pub struct StepsReport<T: Batch> {
 }
 
 impl<T: Batch> StepsReport<T> {
-    /// Counts so many steps that were taken alike.
+    /// Counts so many steps that took as many iterations each, and some more all together, and at most.
     #[inline(always)]
-    pub(crate) fn count(&mut self, steps: u64, each: &T::Each<u32>, residual: T) {
+    pub(crate) fn count(&mut self, steps: u64, each: &T::Each<u32>, residual: T, more: (u64, u32)) {
         if steps == 0 {
             return;
         }
         let counts = self.iterations.as_mut().iter_mut().zip(self.max_iterations.as_mut());
         for ((all, most), iterations) in counts.zip(each.as_ref()) {
-            *all += steps * u64::from(*iterations);
-            *most = (*most).max(*iterations);
+            *all += steps * u64::from(*iterations) + more.0;
+            *most = (*most).max(*iterations + more.1);
         }
         let larger = self.max_residual.lt(residual);
         self.max_residual = T::select(larger, residual, self.max_residual);
@@ -220,9 +223,9 @@ impl<M: Method> LongWork for AdvanceN<'_, M> {
                     report.steps += 1;
                 }
                 let steps = report.steps - before;
-                method.leave(&mut path, steps, halted.unwrap_or(0));
+                let more = method.leave(&mut path, steps, halted.unwrap_or(0));
                 let (iterations, residual) = method.on_fast_path();
-                report.count(steps, &iterations, residual);
+                report.count(steps, &iterations, residual, more);
                 let Some(halted) = halted else { continue };
                 stage = halted;
             }
@@ -232,7 +235,7 @@ impl<M: Method> LongWork for AdvanceN<'_, M> {
                 Ok(Advanced { state, iterations, residual }) => {
                     (now, known) = (state, true);
                     report.steps += 1;
-                    report.count(1, &iterations, residual);
+                    report.count(1, &iterations, residual, (0, 0));
                 }
                 Err(failure) => {
                     if let Some(failed) = failed {
@@ -439,10 +442,11 @@ where
     }
 
     #[inline(always)]
-    fn leave(&mut self, (first, second): &mut Self::FastPath, steps: u64, stages: usize) {
+    fn leave(&mut self, (first, second): &mut Self::FastPath, steps: u64, stages: usize) -> (u64, u32) {
         let is_through = stages >= A::STAGES;
-        self.first.leave(first, steps + u64::from(is_through), if is_through { 0 } else { stages });
-        self.second.leave(second, steps, stages.saturating_sub(A::STAGES));
+        let one = self.first.leave(first, steps + u64::from(is_through), if is_through { 0 } else { stages });
+        let other = self.second.leave(second, steps, stages.saturating_sub(A::STAGES));
+        (one.0 + other.0, one.1 + other.1)
     }
 
     #[inline(always)]

@@ -26,8 +26,8 @@ use crate::record::{Curves, PageRecorder, RecordedEvent, Recorders};
 use crate::scene;
 use crate::setup::{Column, Format, Job, Moments, Setup, condition, margin, observables};
 use crate::simulate::{
-    Checkpoint, ErrorEstimate, Sample, Seen, Within, conserves_energy, energy_size, error_estimate,
-    simulate_within, slowed,
+    Checkpoint, ErrorEstimate, Sample, Seen, Within, beyond_series, conserves_energy, energy_size,
+    error_estimate, simulate_within, slowed,
 };
 
 /// Reading the clock costs more than a step: it is read once in this many.
@@ -415,13 +415,13 @@ impl Session {
         if let (Some(store), None) = (store, interrupted) {
             store.remove();
         }
-        let slowed = slowed(&entry, &plan.setup, &plan.job, (time, &end));
+        let too_far = [slowed, beyond_series].map(|note| note(&entry, &plan.setup, &plan.job, (time, &end)));
         let kept = kept.iter().map(|path| format!("{} holds the whole run, and stays", path.display()));
         let until = plan.until.iter().map(|until| match ended {
             true => format!("`{until}` holds from {time} s on, in step {steps}: there the run ends"),
             false => format!("`{until}` holds after none of {steps} steps"),
         });
-        let notes = kept.chain(slowed).chain(until).collect();
+        let notes = kept.chain(too_far.into_iter().flatten()).chain(until).collect();
         let events = recorders.events;
         let off_group = recorders.off_group;
         let conserves_energy = conserves_energy(&entry, &plan.setup, (time, &end));

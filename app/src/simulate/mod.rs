@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 pub use certify::{certify, states_in_motion};
 pub use classical::stepper as classical_stepper;
 pub use estimate::{Distance, ErrorEstimate, error_estimate};
-pub(crate) use too_far::slowed;
+pub(crate) use too_far::{beyond_series, slowed};
 
 use crate::catalogue::{ControlLaw, Entry, Input, Observable, Setup};
 use crate::error::{RunError, SetupError};

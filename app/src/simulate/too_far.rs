@@ -8,7 +8,7 @@ use coadjoint::erased;
 use crate::catalogue::quantities::rotation;
 use crate::catalogue::{Entry, Setup};
 use crate::error::RunError;
-use crate::setup::{Job, Order, Retraction};
+use crate::setup::{Job, Method, Order, Retraction};
 
 /// Why a step could not be taken, where the reason is that it turns too far.
 pub(super) fn explained(
@@ -48,17 +48,7 @@ pub(crate) fn slowed(entry: &Entry, setup: &Setup, job: &Job, (time, end): (f64,
     if !is_cayley || job.order != Order::Two {
         return None;
     }
-    let (system, law) = (entry.system(&setup.parameters), entry.law(setup));
-    let rates = [(0.0, &setup.state[..]), (time, end)].map(|(time, state)| {
-        let control = law.as_ref().map(|law| entry.chosen(law, (state, time))).unwrap_or_default();
-        system.motion(state, time, &control)
-    });
-    let planar = entry.description.state.iter().filter(|quantity| matches!(rotation(quantity), Some((2, _))));
-    let turns = planar.map(|quantity| {
-        let rate = rates.iter().map(|rates| rates[quantity.tangent().start].abs()).fold(0.0, f64::max);
-        (quantity.name, rate)
-    });
-    let (name, rate) = turns.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let (name, rate) = fastest(entry, setup, (time, end), |coordinates| coordinates == 2)?;
     let turn = rate * job.step.abs();
     (turn > LOST).then(|| {
         let (percent, step) = (100.0 / (1.0 + 0.25 * turn * turn), LOST / rate);
@@ -71,4 +61,44 @@ pub(crate) fn slowed(entry: &Entry, setup: &Setup, job: &Job, (time, end): (f64,
              {exponential} a step below {step:.1e} s, where it is 99 %"
         )
     })
+}
+
+/// Says that a Hamilton–Jacobi step turns farther than where its series gives the order that it has. It is looked at where
+/// a run starts and ends.
+pub(crate) fn beyond_series(entry: &Entry, setup: &Setup, job: &Job, end: (f64, &[f64])) -> Option<String> {
+    if job.method != Method::HamiltonJacobi {
+        return None;
+    }
+    let most = if job.retraction == Retraction::Exponential { 2.0 } else { 0.6 };
+    let (name, rate) = fastest(entry, setup, end, |_| true)?;
+    let turn = rate * job.step.abs();
+    (turn > most).then(|| {
+        format!(
+            "`{name}` turns by {turn:.2} rad in a step, farther than the series of Hamilton–Jacobi steps follows: take a step below \
+             {:.1e} s, where it is {most} rad",
+            most / rate
+        )
+    })
+}
+
+/// The rotation that turns fastest where a run starts or ends, of those with so many coordinates, and its rate.
+fn fastest<'e>(
+    entry: &'e Entry,
+    setup: &Setup,
+    (time, end): (f64, &[f64]),
+    is_wanted: impl Fn(usize) -> bool,
+) -> Option<(&'e str, f64)> {
+    let (system, law) = (entry.system(&setup.parameters), entry.law(setup));
+    let rates = [(0.0, &setup.state[..]), (time, end)].map(|(time, state)| {
+        let control = law.as_ref().map(|law| entry.chosen(law, (state, time))).unwrap_or_default();
+        system.motion(state, time, &control)
+    });
+    let turns = entry.description.state.iter().filter_map(|quantity| {
+        let (coordinates, _) = rotation(quantity).filter(|(coordinates, _)| is_wanted(*coordinates))?;
+        let tangent = quantity.tangent();
+        let axes = tangent.start..tangent.start + if coordinates == 4 { 3 } else { 1 };
+        let size = |rates: &Vec<f64>| rates[axes.clone()].iter().map(|rate| rate * rate).sum::<f64>().sqrt();
+        Some((&*quantity.name, rates.iter().map(size).fold(0.0, f64::max)))
+    });
+    turns.max_by(|a, b| a.1.total_cmp(&b.1))
 }

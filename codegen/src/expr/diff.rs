@@ -5,7 +5,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::arena::{Arena, RuleApplied};
 use super::expression::Expr;
 use super::linear::{Matrix, Vector};
-use super::node::{Function, Id, Node, Symbol};
+use super::node::{Function, Id, Node, Stage, Symbol};
 use super::number::Number;
 use super::vanishing::Limits;
 
@@ -45,6 +45,24 @@ impl<'a> Vector<'a> {
         let direction: Vec<_> = symbols.iter().copied().zip(direction.iter()).collect();
         let mut derivative = Derivative::along(first.arena, &direction);
         self.map(|x| derivative.of(x))
+    }
+
+    /// About how many operations it takes in each iteration.
+    pub fn operations(&self) -> usize {
+        let Some(first) = self.0.first() else { return 0 };
+        let arena = first.arena;
+        let of = |id: &Id| match arena.node(*id) {
+            _ if arena.expr(*id).stage() <= Stage::Parameters => 0,
+            Node::Sum(sum) => {
+                let multiples = sum.terms.iter().filter(|(_, c)| !c.abs().is_one()).count();
+                sum.terms.len() + multiples - usize::from(sum.constant.is_zero())
+            }
+            Node::Product(factors) => {
+                factors.iter().map(|(_, exponent)| exponent.unsigned_abs() as usize).sum::<usize>() - 1
+            }
+            _ => 0,
+        };
+        arena.post_order(self.iter().map(|x| x.id), |_| false).iter().map(of).sum()
     }
 
     /// Each component with symbols replaced.

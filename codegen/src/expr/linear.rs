@@ -226,6 +226,50 @@ impl<'a> Matrix<'a> {
         Some(x)
     }
 
+    /// The same, where unknowns whose equations have no other one of them are found behind all others, without a division.
+    pub fn solve_apart(&self, right: &Vector<'a>) -> Vector<'a> {
+        let one = right.0[0].arena.one();
+        let (mut last, mut first): (Vec<usize>, Vec<usize>) = Default::default();
+        for k in (0..self.rows).rev() {
+            let is_apart = last.iter().all(|&l| self.at(k, l).is_zero() && self.at(l, k).is_zero());
+            if is_apart && self.at(k, k) == one { last.push(k) } else { first.insert(0, k) }
+        }
+        if last.is_empty() || first.is_empty() {
+            return self.solve(right);
+        }
+        let rest = |i: usize, start: Expr<'a>, of: &dyn Fn(usize) -> Expr<'a>| {
+            last.iter().fold(start, |sum, &k| sum - self.at(i, k) * of(k)).hold()
+        };
+        let entry =
+            |i: usize, j: usize| rest(first[i], self.at(first[i], first[j]), &|k| self.at(k, first[j]));
+        let small = Self::from_fn(first.len(), first.len(), entry);
+        let found =
+            small.solve(&Vector(first.iter().map(|&i| rest(i, right.0[i], &|k| right.0[k])).collect()));
+        let mut x = right.clone();
+        first.iter().zip(found.hold().iter()).for_each(|(&i, value)| x.0[i] = value);
+        for &k in &last {
+            x.0[k] = first.iter().fold(right.0[k], |sum, &j| sum - self.at(k, j) * x.0[j]);
+        }
+        x
+    }
+
+    /// The matrix for these unknowns alone, where the right sides of the others' equations are zero.
+    pub fn reduced_to(&self, kept: &[usize]) -> Self {
+        let mut m = self.clone();
+        let others: Vec<usize> = (0..self.rows).filter(|k| !kept.contains(k)).collect();
+        for (done, &k) in others.iter().enumerate() {
+            let open = |i: &usize| !others[..=done].contains(i);
+            let pivot = m.at(k, k).recip();
+            for i in (0..self.rows).filter(open) {
+                let factor = (m.at(i, k) * pivot).hold();
+                for j in (0..self.rows).filter(open) {
+                    m.entries[i * self.columns + j] = m.at(i, j) - factor * m.at(k, j);
+                }
+            }
+        }
+        m.block(kept)
+    }
+
     /// The inverse of a matrix that needs no pivots.
     pub fn inverse(&self) -> Self {
         let one = Self::identity(self.entries[0].arena, self.rows);

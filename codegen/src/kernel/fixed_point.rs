@@ -26,14 +26,9 @@ pub(super) fn update<'a>(step: &Step<'a>, right: &Vector<'a>) -> Option<Vector<'
     Some(cleared_update(step, &inverse).unwrap_or_else(|| inverse.map(Expr::hold).times(right)))
 }
 
-/// The next iterate of the simplified Newton iteration, `x − M⁻¹ (left(x) − right)` with the Jacobian `M` of a residual.
-pub(super) fn simplified_newton<'a>(
-    step: &Step<'a>,
-    residual: &Vector<'a>,
-    right: &Vector<'a>,
-) -> Vector<'a> {
-    let matrix = residual.jacobian(&step.unknown.symbols()).map(Expr::hold);
-    &step.unknown - &matrix.solve(&(&step.left - right))
+/// The next iterate of the simplified Newton iteration, `x − M⁻¹ (left(x) − right)` with this matrix.
+pub(super) fn simplified_newton<'a>(step: &Step<'a>, matrix: &Matrix<'a>, right: &Vector<'a>) -> Vector<'a> {
+    &step.unknown - &matrix.clone().map(Expr::hold).solve_apart(&(&step.left - right))
 }
 
 /// The next iterate on the equation without denominators, if there are any. Where the right side is `n/(1 + d)`, and

@@ -74,8 +74,8 @@ pub fn step<'a>(arena: &'a Arena, step: &Step<'a>, inputs: Inputs) -> Module<Ste
     let none = || Vector(Vec::new());
     let update = match &step.iteration {
         Iteration::FixedPoint => fixed_point::update(step, &right).unwrap_or_else(none),
-        Iteration::Chord(residual) | Iteration::Newton(residual) => {
-            fixed_point::simplified_newton(step, residual, &right)
+        Iteration::Chord(matrix) | Iteration::Newton(matrix) => {
+            fixed_point::simplified_newton(step, matrix, &right)
         }
     };
     let correction = correction(step, &residual);
@@ -115,16 +115,19 @@ pub fn step<'a>(arena: &'a Arena, step: &Step<'a>, inputs: Inputs) -> Module<Ste
 
 /// The solution of the linearized equation.
 fn correction<'a>(step: &Step<'a>, residual: &Vector<'a>) -> Vector<'a> {
-    let unknown = step.unknown.symbols();
-    if unknown.is_empty() {
+    if step.unknown.is_empty() {
         return residual.clone();
     }
-    let jacobian = step.coarse_residual.jacobian(&unknown);
-    let n = jacobian.columns;
+    let n = step.matrix.columns;
     let named =
         |(k, entry): (usize, &Expr<'a>)| entry.hold().named(format!("jacobian_{}{}", k / n + 1, k % n + 1));
-    let entries = jacobian.entries.iter().enumerate().map(named).collect();
-    Matrix::new(jacobian.rows, n, entries).solve(residual)
+    let entries = step.matrix.entries.iter().enumerate().map(named).collect();
+    let matrix = Matrix::new(n, n, entries);
+    if step.iteration == Iteration::FixedPoint {
+        matrix.solve(residual)
+    } else {
+        matrix.solve_apart(residual)
+    }
 }
 
 /// The code of a function that stands alone: of parameters and state, and whatever else is given.

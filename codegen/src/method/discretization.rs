@@ -152,14 +152,16 @@ impl<'s, 'a> Discretization<'s, 'a> {
         let join =
             |part: for<'e> fn(&'e Equation<'a>) -> &'e Vector<'a>| Vector::concat(equations.iter().map(part));
         let (left, right) = (join(|equation| &equation.left), join(|equation| &equation.right));
+        let unknown = join(|equation| &equation.unknown);
+        let matrix = (&left - &right).jacobian(&unknown.symbols());
         Step {
             h: self.step,
             given: [system.time_symbol(), system.control_symbols()].concat(),
             domain: domain.map(|margin| margin.substitute(&found)).collect(),
-            unknown: join(|equation| &equation.unknown),
+            unknown,
             blocks: equations.iter().flat_map(|equation| equation.blocks.clone()).collect(),
             start: join(|equation| &equation.start),
-            coarse_residual: &left - &right,
+            matrix,
             iteration: Iteration::FixedPoint,
             left,
             right,

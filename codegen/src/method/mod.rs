@@ -72,8 +72,10 @@ impl Scheme {
             _ => family::step(arena, system, retraction, Member::MIDPOINT),
         };
         let mut whole = step(self.retraction);
-        if system.group.is_summed(self.retraction) {
-            whole.take_coarse_residual(step(Retraction::Coarse));
+        // steps of an order see to it themselves
+        if system.group.is_summed(self.retraction) && !self.rule.is_of_order() {
+            let residual = whole.residual_of(&step(Retraction::Coarse));
+            whole.matrix = residual.jacobian(&whole.unknown.symbols());
         }
         whole
     }

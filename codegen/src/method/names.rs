@@ -130,11 +130,20 @@ impl<'s, 'a> ValueNames<'s, 'a> {
         }
     }
 
+    /// The names of what belongs to the components of the advected parameters, of each by itself.
+    pub(super) fn of_advected(&self, what: &str) -> Vec<Vec<String>> {
+        let spaces = self.system.group.factors.iter().flat_map(|factor| &factor.spaces);
+        let names = self.system.advected().zip(spaces).map(|(advected, space)| {
+            let name = format!("{}_{what}", advected.name.plain());
+            space.coordinates().iter().map(|suffix| format!("{name}_{suffix}")).collect()
+        });
+        names.collect()
+    }
+
     /// Names what becomes of the advected parameters, or belongs to them.
     pub(super) fn advected(&self, what: &str, values: &[Vector<'a>]) {
-        let spaces = self.system.group.factors.iter().flat_map(|factor| &factor.spaces);
-        for ((advected, space), value) in self.system.advected().zip(spaces).zip(values) {
-            value.named(&format!("{}_{what}", advected.name.plain()), space.coordinates());
+        for (value, names) in values.iter().zip(self.of_advected(what)) {
+            named(value, names);
         }
     }
 }

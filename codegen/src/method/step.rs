@@ -1,6 +1,6 @@
 //! One step, as expressions.
 
-use crate::expr::{Arena, Expr, Stage, Symbol, Vector};
+use crate::expr::{Arena, Expr, Matrix, Stage, Symbol, Vector};
 use crate::group::Retraction;
 
 /// One step: solve `left(x) = right(x)` for the unknown `x`, then update the state.
@@ -19,8 +19,8 @@ pub struct Step<'a> {
     pub left: Vector<'a>,
     /// `right(x)`
     pub right: Vector<'a>,
-    /// `left(x) − right(x)` for Newton's matrix alone: up to a few terms of series that are not finite sums.
-    pub coarse_residual: Vector<'a>,
+    /// Newton's matrix, the Jacobian of `left(x) − right(x)`: up to a few terms of series that are not finite sums.
+    pub matrix: Matrix<'a>,
     /// What is iterated, as long as that contracts.
     pub iteration: Iteration<'a>,
     /// Each positive while `x` is inside a retraction's domain.
@@ -38,19 +38,19 @@ pub struct Step<'a> {
 pub enum Iteration<'a> {
     /// `x ← left⁻¹(right(x))`, which contracts by about the angle of a step.
     FixedPoint,
-    /// The simplified Newton iteration with the Jacobian of this: of first terms. A step ends from the last iterate, not from
+    /// The simplified Newton iteration with this matrix: of first terms. A step ends from the last iterate, not from
     /// what was evaluated for it.
-    Chord(Vector<'a>),
+    Chord(Matrix<'a>),
     /// The same with nearly the true Jacobian, so that little is left after an iteration.
-    Newton(Vector<'a>),
+    Newton(Matrix<'a>),
 }
 
 impl<'a> Step<'a> {
-    /// Takes Newton's matrix from another step of the same equations, with symbols of its own.
-    pub(super) fn take_coarse_residual(&mut self, coarse: Self) {
-        let symbols = coarse.unknown.symbols().into_iter().chain(coarse.h.as_symbol());
+    /// `left(x) − right(x)` of another step with the same equations and symbols of its own, in this step's.
+    pub(super) fn residual_of(&self, other: &Self) -> Vector<'a> {
+        let symbols = other.unknown.symbols().into_iter().chain(other.h.as_symbol());
         let same: Vec<_> = symbols.zip(self.unknown.iter().chain([self.h])).collect();
-        self.coarse_residual = coarse.coarse_residual.substitute(&same);
+        (&other.left - &other.right).substitute(&same)
     }
 }
 

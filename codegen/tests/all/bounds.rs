@@ -248,6 +248,21 @@ fn more_than_can_be_derived() {
 }
 
 #[test]
+fn orders_that_are_too_high_name_one_that_fits() {
+    let attribute = "group(first: SO3, second: SO3), potential = 1.0 - (first.inverse() * second).w.powi(2), \
+                     retractions(Exponential), methods(HamiltonJacobi(8))";
+    let item = "struct Bodies { #[inertia(first)] first_inertia: Vector3<f64>, #[inertia(second)] second_inertia: Vector3<f64> }";
+    let problems = answer(attribute.to_owned(), item.to_owned()).expect_err("order 8 takes too much");
+    let message = &problems[0].1;
+    assert!(
+        message.contains("in seconds; take `HamiltonJacobi(6)`, the highest order that fits, or "),
+        "{message}"
+    );
+    let attribute = attribute.replace("HamiltonJacobi(8)", "HamiltonJacobi(6)");
+    answer(attribute, item.to_owned()).expect("order 6 does not");
+}
+
+#[test]
 fn more_than_can_be_read() {
     let potential = block(
         "let m = SMatrix::<f64, 32, 32>::repeat(gamma.x) + SMatrix::<f64, 32, 32>::identity() * w;",

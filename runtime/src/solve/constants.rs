@@ -26,9 +26,16 @@ pub(super) const HARDLY: f64 = 0.025;
 /// But it is no less and no more than this, in units. Less would be rounding; where it is more, what is evaluated before the last iteration is not what
 /// belongs to the solution. The last one is for all iterations but the first, which contract by more than the angle of a step in some planes.
 pub(super) const TOLERANCE: [f64; 3] = [8.0, 128.0, 16.0];
+/// The most simplified Newton steps on the fast path beside the first.
+pub(super) const FEW: u32 = 3;
+/// What the last of several simplified Newton steps leaves, if it contracts as it shows to, in units.
+pub(super) const LEFT: f64 = 4.0;
+/// The rate of contraction of simplified Newton steps becomes smaller by this factor at most each time that it is measured: it differs from one
+/// direction to another.
+pub(super) const FORGETS: f64 = 0.25;
 /// The change of a last simplified Newton step is `c / rate`: it leaves `c` units, for the state is made of what it leads to. But it
 /// is no more than the second number, in units.
-pub(super) const NEWTON: [f64; 2] = [0.5, 1e8];
+pub(super) const NEWTON: [f64; 2] = [2.0, 1e8];
 /// The largest rate of contraction of which `c / rate²` is as much as the last of these.
 pub(super) const QUICK: f64 = 0.04;
 /// Changes from here on show the rate of contraction, in units.

@@ -2,7 +2,7 @@
 //! iterate waits for a division.
 
 use super::constants::{FAR, ITERATIONS, QUICK, SHARP, STRONG, TOLERANCE};
-use super::memory::{Memory, rate, tolerance};
+use super::memory::{Memory, newton_rate, rate, tolerance};
 use super::{Solution, SolutionOf, count, go_on};
 use crate::kernel::{AtState, Kernel};
 use crate::scalar::blocks::{change, is_within};
@@ -48,9 +48,13 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
         let is_last = if round == 1 {
             again & is_within::<T, _>(blocks, &point, &unknown, memory.tolerance)
         } else {
-            let is_sharp = again & T::of(SHARP * T::EPSILON).lt(last);
+            let mut is_sharp = again & T::of(SHARP * T::EPSILON).lt(last);
+            if is_newton {
+                // what is below is rounding, and no rate where there is another one
+                is_sharp = is_sharp & (least.lt(now) | T::of(1.0).le(sharp[0]));
+            }
             sharp = [T::select(is_sharp, last, sharp[0]), T::select(is_sharp, now, sharp[1])];
-            let most = if is_newton { tolerance(rate(sharp, true), true) } else { most };
+            let most = if is_newton { tolerance(newton_rate(sharp, memory.rate), true) } else { most };
             again & (now.le(least) | (now.le(most) & sharp[1].le(T::of(QUICK) * sharp[0])))
         };
         solved = solved | is_last;
@@ -62,6 +66,6 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
         }
         last = now;
     };
-    let rate = rate(sharp, is_newton);
+    let rate = if is_newton { newton_rate(sharp, memory.rate) } else { rate(sharp) };
     Solution { point, unknown, evaluation, solved, iterations, residual: rate * residual, rate }
 }

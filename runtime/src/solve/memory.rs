@@ -1,6 +1,6 @@
 //! What a step remembers of the ones before it: it saves time, and nothing else.
 
-use super::constants::{HARDLY, INTERVALS, NEWTON, SHARP, STRONG, TOLERANCE};
+use super::constants::{FORGETS, HARDLY, INTERVALS, NEWTON, SHARP, STRONG, TOLERANCE};
 use super::predictor::Predictor;
 use crate::kernel::Kernel;
 use crate::scalar::{Batch, Components, Mask, Real};
@@ -92,7 +92,13 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
 
     /// Remembers a step that needed more than one iteration: its solution, and the rate of contraction as it was seen.
     #[inline(always)]
-    pub(super) fn learn<K: Kernel<T, Unknown = U>>(&mut self, kernel: &K, solution: &U, rate: T) {
+    pub(super) fn learn<K: Kernel<T, Unknown = U>>(
+        &mut self,
+        kernel: &K,
+        start: impl FnOnce() -> U,
+        solution: &U,
+        rate: T,
+    ) {
         if const { U::LENGTH == 0 } {
             return;
         }
@@ -105,7 +111,8 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
         } else {
             self.due -= 1;
         }
-        self.predictor.learn(kernel.blocks(), solution);
+        let start = kernel.is_newton().then(start);
+        self.predictor.learn(kernel.blocks(), start.as_ref(), solution);
         self.settle();
     }
 
@@ -115,7 +122,7 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
 
     /// Shows all that is remembered, for [`Method::memory`](crate::method::Method::memory).
     pub(super) fn memory<K: Kernel<T, Unknown = U>>(&mut self, kernel: &K, visit: &mut dyn FnMut(&mut [T])) {
-        self.predictor.memory(visit);
+        self.predictor.memory(visit, kernel.is_newton());
         let mut numbers = [T::of(f64::from(self.due)), T::of(f64::from(self.interval))];
         visit(&mut numbers);
         // the same in all lanes
@@ -140,8 +147,15 @@ pub(super) fn tolerance<T: Batch>(rate: T, is_newton: bool) -> T {
 
 /// A rate of contraction from two changes, one after the other.
 #[inline(always)]
-pub(super) fn rate<T: Batch>([last, now]: [T; 2], is_newton: bool) -> T {
-    clamped(now / last, [if is_newton { NEWTON[0] / NEWTON[1] } else { 1.0 / SHARP }, 1.0])
+pub(super) fn rate<T: Batch>([last, now]: [T; 2]) -> T {
+    clamped(now / last, [1.0 / SHARP, 1.0])
+}
+
+/// That of simplified Newton steps, where another one was known.
+#[inline(always)]
+pub(super) fn newton_rate<T: Batch>([last, now]: [T; 2], known: T) -> T {
+    let (rate, least) = (now / last, T::of(FORGETS) * known);
+    clamped(T::select(rate.lt(least), least, rate), [NEWTON[0] / NEWTON[1], 1.0])
 }
 
 /// No closure, which would not be compiled for the processor that the caller is compiled for.

@@ -18,9 +18,12 @@
 //! Of even powers of the distance from `x₈` this holds whatever `w` is. That it holds of the odd ones up to the ninth, and so of all polynomials of
 //! degree 10, determines five weights. Of all choices of five differences [this one](PAIRS) magnifies rounding least, 61 fold, hardly more than the
 //! best weights of all seven (59.5); and its weights are exact.
+//!
+//! Newton's method takes off so much that rounding is no matter, and is there for steps so large that sixteen of them are too many to look back:
+//! its guess is the polynomial through eight, of what solutions are apart from their equations' [first approximations](crate::kernel::Kernel::start).
 
 use super::constants::{LOST, LOW, SMALL, THROUGH};
-use crate::scalar::blocks::{is_within, plus, select, weighted, weights};
+use crate::scalar::blocks::{is_within, less, plus, select, weighted, weights};
 use crate::scalar::rows::{Formula, Piece, Row, computed};
 use crate::scalar::simd::lanes::{Portable, Processor};
 use crate::scalar::{Batch, Components, Mask, Scalar};
@@ -34,16 +37,21 @@ const PAIRS: [usize; 5] = [1, 2, 3, 5, 7];
 /// Their weights, exact as numbers of any kind.
 const WEIGHTS: [f64; 5] = [231.0 / 32.0, -20.0, 735.0 / 32.0, -637.0 / 32.0, 715.0 / 32.0];
 
+/// The first half of the weights of the polynomial through eight.
+const BINOMIAL: [f64; 4] = [8.0, -28.0, 56.0, -70.0];
+
 /// Where the solutions before point, and the place that the next one will take: in registers while many steps are taken.
-pub(super) type Guess<U> = (U, u32);
+pub(crate) type Guess<U> = (U, u32);
 
 /// The solutions that point to the next one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Predictor<T: Batch, U> {
     /// The latest solutions, in a ring; each with a number after it, so that three doubles and that one are loaded together.
     ring: [Row<T, U, 1>; WINDOW],
-    /// The next solution, if there are any before it.
+    /// The next solution, if there are any before it; for Newton's method what it is apart from the first approximation.
     next: U,
+    /// The latest solution, for Newton's method.
+    solution: U,
     /// How many of the solutions are of use, in each lane.
     count: T,
     /// The place of the oldest, which the next one will take.
@@ -59,6 +67,7 @@ impl<T: Batch, U: Components<T>> Default for Predictor<T, U> {
         Self {
             ring: [Row::new(nothing); WINDOW],
             next: nothing,
+            solution: nothing,
             count: T::of(0.0),
             oldest: 0,
             is_full: false,
@@ -97,22 +106,34 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         &self.ring[(oldest as usize + WINDOW - j) % WINDOW]
     }
 
-    /// The latest solution.
+    /// The latest that was kept.
     #[inline(always)]
     pub(super) fn latest(&self) -> U {
         self.row(self.oldest, 1).components
     }
 
+    /// The latest solution, for Newton's method.
+    #[inline(always)]
+    pub(super) fn solution(&self) -> U {
+        self.solution
+    }
+
+    /// Notes it.
+    #[inline(always)]
+    pub(super) fn note(&mut self, solution: &U) {
+        self.solution = *solution;
+    }
+
     /// What the solutions that there are contribute to the one after the next, where [all are of use](Self::is_full).
     #[inline(always)]
-    pub(super) fn begun<P: Processor>(&self, oldest: u32) -> U {
-        computed::<P, _, _, _>(&mut Begun(self, oldest), &self.next)
+    pub(super) fn begun<P: Processor>(&self, oldest: u32, is_newton: bool) -> U {
+        computed::<P, _, _, _>(&mut Begun(self, oldest, is_newton), &self.next)
     }
 
     /// The solution after this one, from what was [begun](Self::begun).
     #[inline(always)]
-    pub(super) fn then(begun: &U, solution: &U) -> U {
-        plus(begun, T::of(WEIGHTS[0]), solution)
+    pub(super) fn then(begun: &U, solution: &U, is_newton: bool) -> U {
+        plus(begun, T::of(if is_newton { BINOMIAL[0] } else { WEIGHTS[0] }), solution)
     }
 
     /// Takes the next solution. Returns the place that the one after it will take.
@@ -143,40 +164,47 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     /// Takes one more solution, whatever there is. Where a few of the earlier solutions predict it better than all, as where a control has jumped,
     /// the others are forgotten.
     #[inline(always)]
-    pub(super) fn learn(&mut self, blocks: &[usize], solution: &U) {
-        if self.is_full && is_within::<T, _>(blocks, &self.next, solution, T::of(SMALL)).all() {
-            let begun = self.begun::<Portable>(self.oldest);
-            self.push(solution);
-            self.next = Self::then(&begun, solution);
+    pub(super) fn learn(&mut self, blocks: &[usize], start: Option<&U>, solution: &U) {
+        let is_newton = start.is_some();
+        let from_start = |apart: &U| start.map_or(*apart, |start| plus(start, T::of(1.0), apart));
+        let kept = start.map_or(*solution, |start| less(solution, start));
+        if is_newton {
+            self.note(solution);
+        }
+        let next = from_start(&self.next);
+        if self.is_full && is_within::<T, _>(blocks, &next, solution, T::of(SMALL)).all() {
+            let begun = self.begun::<Portable>(self.oldest, is_newton);
+            self.push(&kept);
+            self.next = Self::then(&begun, &kept, is_newton);
             return;
         }
         let [one, low, full] = [1.0, LOW as f64, WINDOW as f64].map(T::of);
         let weights = &weights::<T, _>(blocks, solution);
-        let off = weighted::<T, _>(weights, &self.next, solution);
+        let off = weighted::<T, _>(weights, &next, solution);
         let known = T::select(off.le(T::of(LOST)), self.count, T::of(0.0));
         self.count = T::select(known.lt(full), known + one, known);
         let is_long = low.lt(known);
         if is_long.any() {
-            let by_few = self.through(low);
+            let by_few = from_start(&self.through(low));
             let is_jump =
                 is_long & T::of(SMALL).lt(off) & weighted::<T, _>(weights, &by_few, solution).lt(off);
             self.count = T::select(is_jump, low, self.count);
         }
-        self.push(solution);
-        self.predict();
+        self.push(&kept);
+        self.predict(is_newton);
     }
 
     /// Predicts the next solution.
     #[inline(always)]
-    fn predict(&mut self) {
+    fn predict(&mut self, is_newton: bool) {
         let most = T::of(THROUGH as f64);
-        let is_full = T::of(WINDOW as f64).le(self.count);
+        let is_full = T::of(if is_newton { THROUGH } else { WINDOW } as f64).le(self.count);
         self.is_full = is_full.all();
         let mut next = self.next;
-        if !self.is_full {
+        if is_newton || !self.is_full {
             next = self.through(Scalar::min(self.count, most));
         }
-        if is_full.any() {
+        if !is_newton && is_full.any() {
             let by_all = plus(
                 &computed::<Portable, _, _, _>(&mut Odd(self), &next),
                 T::of(WEIGHTS[0]),
@@ -207,8 +235,11 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     }
 
     /// Shows all that is remembered, for [`Method::memory`](crate::method::Method::memory).
-    pub(super) fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
+    pub(super) fn memory(&mut self, visit: &mut dyn FnMut(&mut [T]), is_newton: bool) {
         visit(core::slice::from_mut(&mut self.count));
+        if is_newton {
+            visit(self.solution.as_mut());
+        }
         // the latest first: where the ring begins is of no interest
         let mut j = 1;
         while j <= WINDOW {
@@ -217,7 +248,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
             j += 1;
         }
         if self.remembers() {
-            self.predict();
+            self.predict(is_newton);
         }
     }
 }
@@ -235,15 +266,24 @@ impl<T: Batch, U: Components<T>> Formula<T> for Odd<'_, T, U> {
 }
 
 /// The same for the solution after the next.
-struct Begun<'a, T: Batch, U>(&'a Predictor<T, U>, u32);
+struct Begun<'a, T: Batch, U>(&'a Predictor<T, U>, u32, bool);
 
 impl<T: Batch, U: Components<T>> Formula<T> for Begun<'_, T, U> {
     const SPARE: usize = 1;
 
     #[inline(always)]
     fn at<X: Piece<T>>(&mut self, i: usize) -> X {
-        earlier(self.0, self.1, 1, i)
+        if self.2 { eighth(self.0, self.1, i) } else { earlier(self.0, self.1, 1, i) }
     }
+}
+
+/// `Σ_{j > 1} (−1)^{j+1} C(8, j) x_j` a step from now.
+#[inline(always)]
+fn eighth<T: Batch, U: Components<T>, X: Piece<T>>(predictor: &Predictor<T, U>, oldest: u32, i: usize) -> X {
+    let at = |j: usize| X::of(predictor.row(oldest, j - 1), i);
+    let inner = at(4).times(T::of(BINOMIAL[3])).plus(T::of(BINOMIAL[2]), at(3).and(at(5)));
+    let outer = at(7).times(T::of(BINOMIAL[0])).plus(T::of(BINOMIAL[1]), at(2).and(at(6)));
+    inner.and(outer.less(at(THROUGH)))
 }
 
 /// In two chains side by side, for the next step waits for it. `ahead` steps from now the `x_j` are as many places newer.
@@ -319,7 +359,7 @@ mod tests {
 
     fn after(predictor: &mut Predictor<f64, [f64; 1]>, solutions: impl IntoIterator<Item = f64>) {
         for x in solutions {
-            predictor.learn(&[1], &[x]);
+            predictor.learn(&[1], None, &[x]);
             assert_eq!(predictor.latest(), [x], "{predictor:?}");
         }
     }
@@ -339,7 +379,7 @@ mod tests {
             // and along the fast path
             for step in 40..60 {
                 let x = [polynomial(step)];
-                let then = Predictor::then(&predictor.begun::<Portable>(predictor.oldest), &x);
+                let then = Predictor::then(&predictor.begun::<Portable>(predictor.oldest, false), &x, false);
                 let oldest = predictor.keep::<Portable>(predictor.oldest, &x);
                 predictor.set(&(then, oldest));
                 assert!((then[0] / polynomial(step + 1) - 1.0).abs() < 1e-12, "{degree}, {step}");

@@ -1,5 +1,6 @@
 //! A step that is one equation, from its kernel: the whole story.
 
+use super::constants::{FAR, FEW, LEFT};
 use super::memory::Memory;
 use super::newton::Newton;
 use super::predictor::{Guess, Predictor};
@@ -8,7 +9,7 @@ use super::{Solution, SolutionOf, fixed_point};
 use crate::error::StepError;
 use crate::kernel::{self, AtState, Kernel, finite, is_inside, is_surely_finite};
 use crate::method::{AdvanceN, Advanced, Clock, Failure, Method, Outcome, StepsReport};
-use crate::scalar::blocks::{is_within, select};
+use crate::scalar::blocks::{change, is_within, less, plus, select};
 use crate::scalar::simd::lanes::{Portable, Processor};
 use crate::scalar::simd::loads::{apart, apart_here, one_by_one};
 use crate::scalar::{Batch, Components, Mask, Scalar, Work};
@@ -33,7 +34,7 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
 
     const HAS_FAST_PATH: bool = K::HAS_FIXED_POINT_UPDATE || Self::IS_EXPLICIT;
     /// There is one wherever steps are [ready](Method::ready_for).
-    type FastPath = Option<Guess<K::Unknown>>;
+    type FastPath = Option<Ahead<K::Unknown>>;
 
     #[inline(always)]
     fn ready_for(&self) -> u64 {
@@ -46,7 +47,7 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
 
     #[inline(always)]
     fn enter(&self) -> Self::FastPath {
-        Some(self.memory.predictor.guess())
+        Some(Ahead { guess: self.memory.predictor.guess(), more: (0, 0) })
     }
 
     #[inline(always)]
@@ -57,17 +58,18 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
         time: T,
         control: &K::Control,
     ) -> (K::State, Option<usize>) {
-        let Some(guess) = path else { return (*state, Some(0)) };
-        let (next, done) = fast_path::<P, _, _>(&self.kernel, &mut self.memory, guess, state, time, control);
+        let Some(ahead) = path else { return (*state, Some(0)) };
+        let (next, done) = fast_path::<P, _, _>(&self.kernel, &mut self.memory, ahead, state, time, control);
         (next, done.err().map(|_| 0))
     }
 
     #[inline(always)]
-    fn leave(&mut self, path: &mut Self::FastPath, steps: u64, _stages: usize) {
-        if let Some(guess) = path {
-            self.memory.predictor.set(guess);
-        }
+    fn leave(&mut self, path: &mut Self::FastPath, steps: u64, _stages: usize) -> (u64, u32) {
         self.memory.took(steps);
+        path.as_ref().map_or((0, 0), |ahead| {
+            self.memory.predictor.set(&ahead.guess);
+            ahead.more
+        })
     }
 
     #[inline(always)]
@@ -116,13 +118,14 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
         // nearly all steps go this way
         if known && self.ready_for() > 0 {
             let Self { kernel, memory } = self;
-            let mut guess = memory.predictor.guess();
-            let (next, done) = fast_path::<Portable, _, _>(kernel, memory, &mut guess, state, time, control);
+            let mut ahead = Ahead { guess: memory.predictor.guess(), more: (0, 0) };
+            let (next, done) = fast_path::<Portable, _, _>(kernel, memory, &mut ahead, state, time, control);
             match done {
                 Ok(()) => {
-                    memory.predictor.set(&guess);
+                    memory.predictor.set(&ahead.guess);
                     memory.took(1);
-                    let (iterations, residual) = self.on_fast_path();
+                    let (mut iterations, residual) = self.on_fast_path();
+                    iterations.as_mut().iter_mut().for_each(|iterations| *iterations += ahead.more.1);
                     return Ok(Advanced { state: next, iterations, residual });
                 }
                 Err(ended) => first = ended,
@@ -137,7 +140,7 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
             let Self { kernel, memory } = self;
             let step = &kernel.begin(state, time, control);
             let equation = &AtState { kernel: &*kernel, state, step };
-            let solution = fixed_point::solve(equation, memory, &memory.predictor.next(), first);
+            let solution = fixed_point::solve(equation, memory, &predicted(equation, memory), first);
             if let Some(advanced) = advanced(equation, memory, &solution, time, control) {
                 return Ok(advanced);
             }
@@ -166,7 +169,11 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
 
     /// The solution of the last step's equation.
     pub(crate) fn solution(&self) -> K::Unknown {
-        self.memory.predictor.latest()
+        if self.kernel.is_newton() {
+            self.memory.predictor.solution()
+        } else {
+            self.memory.predictor.latest()
+        }
     }
 
     /// The state after a step whose equation has this solution.
@@ -183,30 +190,64 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
     }
 }
 
+/// Where the solutions before point, and how many iterations more than one steps took, all together and at most.
+#[derive(Clone, Copy)]
+pub struct Ahead<U> {
+    guess: Guess<U>,
+    more: (u64, u32),
+}
+
 /// Takes a step as nearly all are: one iteration, from where the solutions before it point, changes the unknown by little, and everything is
-/// finite. The `guess` is the next step's then. Else nothing has changed, and if there was an iteration, this is where it led to.
+/// finite; of Newton's method a few iterations. The `guess` is the next step's then. Else nothing has changed, and if there was an iteration,
+/// this is where it led to.
 ///
 /// Numbers that the next step waits for are computed one by one: the compiler would put them together, and take them apart again.
 #[inline(always)]
 fn fast_path<P: Processor, T: Batch, K: Kernel<T>>(
     kernel: &K,
     memory: &mut Memory<T, K::Unknown>,
-    guess: &mut Guess<K::Unknown>,
+    ahead: &mut Ahead<K::Unknown>,
     state: &K::State,
     time: T,
     control: &K::Control,
 ) -> (K::State, Result<(), Option<K::Unknown>>) {
     let step = kernel.begin(state, time, control);
-    let (point, oldest) = *guess;
-    let evaluation = kernel.evaluate(state, &step, &point);
-    let (mut unknown, mut then) = (point, point);
+    let (mut point, oldest) = ahead.guess;
+    let start = kernel.is_newton().then(|| kernel.start(state, &step));
+    if let Some(start) = &start {
+        point = plus(start, T::of(1.0), &point);
+    }
+    let mut evaluation = kernel.evaluate(state, &step, &point);
+    let (mut unknown, mut kept, mut then, mut more) = (point, point, point, 0);
     if const { !OneStep::<T, K>::IS_EXPLICIT } {
-        unknown = apart::<T, _>(&kernel.fixed_point_update(state, &step, &point, &evaluation));
-        if !is_within::<T, _>(kernel.blocks(), &point, &unknown, memory.tolerance).all() {
-            return (*state, Err(Some(unknown)));
+        let mut last = T::of(FAR);
+        loop {
+            unknown = apart::<T, _>(&kernel.fixed_point_update(state, &step, &point, &evaluation));
+            if !kernel.is_newton() {
+                if is_within::<T, _>(kernel.blocks(), &point, &unknown, memory.tolerance).all() {
+                    break;
+                }
+                return (*state, Err(Some(unknown)));
+            }
+            let now = change::<T, _>(kernel.blocks(), &point, &unknown);
+            // as far as the rate is known, and as far as it shows
+            let is_last = now.le(memory.tolerance) & (now * now).le(T::of(LEFT * T::EPSILON) * last);
+            if is_last.all() {
+                break;
+            }
+            if more == FEW {
+                return (*state, Err(Some(unknown)));
+            }
+            (point, last, more) = (unknown, now, more + 1);
+            evaluation = kernel.evaluate(state, &step, &point);
         }
         // before what follows from this solution, for the next step waits for it
-        then = apart_here::<T, _>(&Predictor::then(&memory.predictor.begun::<P>(oldest), &unknown));
+        kept = start.map_or(unknown, |start| apart::<T, _>(&less(&unknown, &start)));
+        then = apart_here::<T, _>(&Predictor::then(
+            &memory.predictor.begun::<P>(oldest, kernel.is_newton()),
+            &kept,
+            kernel.is_newton(),
+        ));
     }
     let next = apart::<T, _>(&kernel.finish(state, &step, &unknown, &evaluation));
     let inside = is_inside(kernel, state, &step, &unknown, &evaluation).all();
@@ -214,7 +255,11 @@ fn fast_path<P: Processor, T: Batch, K: Kernel<T>>(
         return (*state, Err(None));
     }
     if const { !OneStep::<T, K>::IS_EXPLICIT } {
-        *guess = (then, memory.predictor.keep::<P>(oldest, &unknown));
+        ahead.guess = (then, memory.predictor.keep::<P>(oldest, &kept));
+        if kernel.is_newton() {
+            memory.predictor.note(&unknown);
+        }
+        ahead.more = (ahead.more.0 + u64::from(more), ahead.more.1.max(more));
     }
     (next, Ok(()))
 }
@@ -265,13 +310,13 @@ impl<T: Batch, K: Kernel<T>> Work for SlowPath<'_, T, K> {
             let Solution { iterations, residual, .. } = solution;
             let advanced = Advanced { state: next, iterations, residual };
             if good.all() {
-                memory.learn(kernel, &solution.unknown, solution.rate);
+                memory.learn(kernel, || equation.start(), &solution.unknown, solution.rate);
                 return Ok(advanced);
             }
             let given = finite(state) & finite(control) & time.is_finite();
             if is_rescued {
                 if good.any() {
-                    memory.learn(kernel, &solution.unknown, solution.rate);
+                    memory.learn(kernel, || equation.start(), &solution.unknown, solution.rate);
                 } else {
                     memory.forget();
                 }
@@ -294,10 +339,21 @@ impl<T: Batch, K: Kernel<T>> Work for SlowPath<'_, T, K> {
 #[inline(always)]
 fn guess<T: Batch, K: Kernel<T>>(equation: &AtState<'_, T, K>, memory: &Memory<T, K::Unknown>) -> K::Unknown {
     match memory.predictor.remembers() {
+        true if memory.is_due() && equation.kernel.is_newton() => equation.start(),
         true if memory.is_due() && equation.kernel.has_fixed_point_update() => memory.predictor.latest(),
-        true => memory.predictor.next(),
+        true => predicted(equation, memory),
         false => equation.start(),
     }
+}
+
+/// Where the solutions before point.
+#[inline(always)]
+fn predicted<T: Batch, K: Kernel<T>>(
+    equation: &AtState<'_, T, K>,
+    memory: &Memory<T, K::Unknown>,
+) -> K::Unknown {
+    let next = memory.predictor.next();
+    if equation.kernel.is_newton() { plus(&equation.start(), T::of(1.0), &next) } else { next }
 }
 
 /// The solution by Newton's method, in the lanes in which fixed-point iterations did not lead to one.
@@ -373,7 +429,7 @@ fn advanced<T: Batch, K: Kernel<T>>(
     if !accepted.good.all() {
         return None;
     }
-    memory.learn(equation.kernel, &solution.unknown, solution.rate);
+    memory.learn(equation.kernel, || equation.start(), &solution.unknown, solution.rate);
     let Solution { iterations, residual, .. } = *solution;
     Some(Advanced { state: accepted.next, iterations, residual })
 }

@@ -111,7 +111,7 @@ fn steps_have_their_orders_and_are_symmetric() {
             let exact = reference.extrapolated(t, i64::from(order) / 2 + 1);
             (&subject.next(&subject.start(), &Real::from(0), t) - &exact).norm().to_f64()
         };
-        let [long, short] = [Real::ratio(1, 100), Real::ratio(1, 200)];
+        let [long, short] = [Real::ratio(1, 1000), Real::ratio(1, 2000)];
         let measured = (error(&long) / error(&short)).log2() - 1.0;
         println!("{}, order {order}: {measured:.3}", description.name);
         residuals.vanish("the order is as named", &Real::from(measured - f64::from(order)), 0.1);

@@ -123,11 +123,12 @@ impl RandomStep {
         let left: Vec<_> = left.iter().zip(&unknown).map(|(&left, &x)| left + x * 4).collect();
         let step = Step {
             h,
-            unknown: Vector(unknown),
+            unknown: Vector(unknown.clone()),
             blocks: vec![self.unknowns],
             start: Vector(start),
             iteration: coadjoint_codegen::method::Iteration::FixedPoint,
-            coarse_residual: &Vector(left.clone()) - &Vector(right.to_vec()),
+            matrix: (&Vector(left.clone()) - &Vector(right.to_vec()))
+                .jacobian(&Vector(unknown.clone()).symbols()),
             left: Vector(left),
             right: Vector(right.to_vec()),
             given: Vector(state[STATE - 1..].to_vec()).symbols(),

@@ -25,12 +25,15 @@
 //! * With an inertia or a Hamiltonian it is `S` that is derived: its argument is the momentum.
 //! * With a Lagrangian it is `R`, and so it is where forces act: what is left of it then are its
 //!   derivatives, with which the step is symmetric and of order `p`, and not symplectic, as the motion is not.
+//! * Where `h` does not depend on the configuration, the exponential has a [step](reduced) of fewer operations: the
+//!   advected parameters are then part of the momentum.
 //!
 //! Ge and Marsden, Phys. Lett. A 133 (1988) 134; Ferraro, de León, Marrero, Martín de Diego and Vaquero,
 //! arXiv:1606.00847.
 
 mod momentum;
 mod path;
+mod reduced;
 mod velocity;
 
 use super::discretization::{Discretization, Path, values};
@@ -81,11 +84,15 @@ fn by_velocity(system: &System<'_>) -> bool {
 /// The step of this order.
 pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, order: u32) -> Step<'a> {
     let is_velocity = by_velocity(system);
+    if reduced::is_for(system, retraction) {
+        let discretization = Discretization::new(arena, system, retraction, Member::SYMPLECTIC_EULER_A);
+        return reduced::step(&discretization, order as usize);
+    }
     let has_kick = !system.is_left_invariant() || system.advected().next().is_some();
     // with the exponential all members of the family are one where nothing kicks
     let is_first = retraction == Retraction::Exponential && !has_kick;
     let member = if is_first { Member::SYMPLECTIC_EULER_A } else { Member::MIDPOINT };
-    let step_of = |order: usize, left: Option<&[String]>| {
+    let step_of = |retraction: Retraction, order: usize, left: Option<&[String]>| {
         let discretization = Discretization::new(arena, system, retraction, member);
         let derivatives = match is_velocity {
             true => velocity::derivatives(&discretization, order),
@@ -93,18 +100,20 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, o
         };
         HamiltonJacobi(discretization).step(derivatives, left)
     };
-    let (mut whole, left) = step_of(order as usize, None);
+    let (whole, left) = step_of(retraction, order as usize, None);
     let is_small = whole.unknown.len() <= FEW;
-    whole.take_coarse_residual(step_of(if is_small { COARSE } else { 2 }, Some(&left)).0);
-    whole.coarse_residual = whole.coarse_residual.map(Expr::with_short_stumpff);
-    whole.iteration = match is_small {
-        true => Iteration::Newton(whole.coarse_residual.clone()),
+    let coarse = if system.group.is_summed(retraction) { Retraction::Coarse } else { retraction };
+    let coarse = step_of(coarse, if is_small { COARSE } else { 2 }, Some(&left)).0;
+    let residual = whole.residual_of(&coarse).map(Expr::with_short_stumpff);
+    let jacobian = |residual: &Vector<'a>| residual.jacobian(&whole.unknown.symbols());
+    let iteration = match is_small {
+        true => Iteration::Newton(jacobian(&residual)),
         false => {
             let increments = increments(system, retraction, member, &whole);
-            Iteration::Chord(linear(&whole.coarse_residual, &increments))
+            Iteration::Chord(jacobian(&linear(&residual, &increments)))
         }
     };
-    whole
+    Step { matrix: jacobian(&residual), iteration, ..whole }
 }
 
 /// The unknowns that are increments, not momenta.

@@ -204,6 +204,24 @@ fn a_turn_that_the_cayley_map_slows_is_noted() {
     assert!(!run(&[]).contains("counts as"));
 }
 
+/// The body begins with 1 rad/s: with the exponential 2 rad are what a series follows, with the Cayley map 0.6 rad.
+#[test]
+fn a_turn_that_no_series_follows_is_noted() {
+    let scratch = Scratch::new("series");
+    let run = |step: &str, more: &[&str]| {
+        let body = ["run", "free_rigid_body", "--order", "6", "--duration", "4", "--step", step];
+        let printed = scratch.prints(&[&body[..], more].concat());
+        printed.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let noted = "`attitude` turns by 2.20 rad in a step, farther than the series of Hamilton–Jacobi steps follows: take a step below";
+    let printed = run("2.2", &["--retraction", "exponential"]);
+    assert!(printed.contains(noted) && printed.contains("s, where it is 2 rad"), "{printed}");
+    assert!(run("0.7", &["--retraction", "cayley"]).contains("s, where it is 0.6 rad"));
+    for quiet in [&["--retraction", "exponential"][..], &["--method", "standard"]] {
+        assert!(!run("1.5", quiet).contains("farther than the series"));
+    }
+}
+
 #[test]
 fn a_run_is_described_by_a_file() {
     let scratch = Scratch::new("config");
