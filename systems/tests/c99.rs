@@ -11,7 +11,7 @@ use std::sync::{Arc, LazyLock};
 use coadjoint::composition::{Coefficients as _, Suzuki4};
 use coadjoint::erased;
 use coadjoint::prelude::*;
-use coadjoint::{Scheme, State as _, StepError, System};
+use coadjoint::{Scheme, StepError, System};
 use coadjoint_app::Entry;
 use coadjoint_codegen::emit::c99::{Options, Steps};
 use coadjoint_codegen::quantity::ScalarType;
@@ -460,7 +460,7 @@ fn derivatives_are_those_of_rust() {
             let mut last = None;
             for _ in 0..40 {
                 let jacobian =
-                    stepper.step_with_jacobian::<(WrtState, WrtControl, WrtParameters)>(&mut state, &torque);
+                    stepper.step_with_jacobian(&mut state, &torque, (WrtState, WrtControl, WrtParameters));
                 last = Some(jacobian.expect("a derivative").0);
             }
             let (by_state, by_control, by_parameters) = last.expect("forty steps");
