@@ -11,7 +11,7 @@ use std::sync::{Arc, LazyLock};
 use coadjoint::composition::{Coefficients as _, Suzuki4};
 use coadjoint::erased;
 use coadjoint::prelude::*;
-use coadjoint::{Scheme, State as _, StepError, System};
+use coadjoint::{Scheme, StepError, System};
 use coadjoint_app::Entry;
 use coadjoint_codegen::emit::c99::{Options, Steps};
 use coadjoint_codegen::quantity::ScalarType;
@@ -460,7 +460,7 @@ fn derivatives_are_those_of_rust() {
             let mut last = None;
             for _ in 0..40 {
                 let jacobian =
-                    stepper.step_with_jacobian::<(WrtState, WrtControl, WrtParameters)>(&mut state, &torque);
+                    stepper.step_with_jacobian(&mut state, &torque, (WrtState, WrtControl, WrtParameters));
                 last = Some(jacobian.expect("a derivative").0);
             }
             let (by_state, by_control, by_parameters) = last.expect("forty steps");
@@ -729,7 +729,7 @@ fn kernels_take_each_member_as_it_is() {
          for (k = 0; k < 7; k++)\n            from[k] = x[k] + (k == 6 ? 0.1 * i : 0);\n        \
          wound_parameters_from(&parameters, p);\n        wound_state_from(&one, from);\n        if (wound_init(&s, &parameters, 0.05))\n            return 1;\n        \
          for (sample = 0; sample < 3; sample++) {{\n            for (k = 0; k < 3; k++)\n                u.torque[k] = controls[(sample * 3 + k) * MEMBERS + i];\n            \
-         for (k = 0; k < EVERY; k++)\n                if (wound_step(&s, &one, (sample * EVERY + k) * 0.05, &u))\n                    return 2;\n            \
+         if (wound_steps(&s, &one, sample * EVERY * 0.05, &u, EVERY, 0))\n                return 2;\n            \
          wound_state_to(alone, &one);\n            for (k = 0; k < 7; k++)\n                same = same && samples[(sample * 7 + k) * MEMBERS + i] == alone[k];\n        }}\n        \
          for (k = 0; k < 7; k++)\n            same = same && state[k * MEMBERS + i] == alone[k];\n        same = same && status[i] == 0;\n    }}\n    \
          printf(\"%d\\n\", same);\n    return 0;\n}}\n",

@@ -245,7 +245,7 @@ mod tests {
     #[test]
     fn headers_are_what_is_asked_for() {
         let shown = |system: &str, more: &[&str]| {
-            let words = [&["show", system, "--language", "c"], more].concat();
+            let words = [&["show", system, "--language", "c"][..], more].concat();
             let parsed = crate::cli::parsed(words.into_iter().map(str::to_owned).collect());
             let Ok(crate::cli::Command::Show(arguments)) = parsed else { panic!("{more:?}") };
             let mut shown = Vec::new();

@@ -5,9 +5,6 @@
 //! Signs*, 2008). Between two of them the polynomial rises or falls: it has one root there, or none. A double root is one of them at which the
 //! polynomial is zero but for rounding. Nothing is allocated, and the work is bounded.
 
-// steps whose series is known call it
-#![cfg_attr(not(test), expect(dead_code))]
-
 use super::Crossing;
 use super::search::{Point, crossing};
 

@@ -106,7 +106,7 @@ impl Maps<'_> {
         let values = &self.module.values;
         let fields: Vec<String> =
             values.fields(RecordKind::Point).iter().map(|field| value(values, *field)).collect();
-        let mut text = format!("/* What the derivative of a step is made of. */\ntypedef struct {{\n");
+        let mut text = "/* What the derivative of a step is made of. */\ntypedef struct {\n".to_owned();
         for field in &fields {
             _ = writeln!(text, "    {real} {field};");
         }

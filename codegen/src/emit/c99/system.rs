@@ -124,14 +124,12 @@ fn function(program: &Program, spelling: &Spelling<'_>, role: SystemRole) -> Str
     body += &velocity;
     body += &computed;
     let is_number = role == SystemRole::Energy;
-    let mut place = 0;
-    for term in function.results.iter().flatten() {
+    for (place, term) in function.results.iter().flatten().enumerate() {
         let term = spelling.term(&module.values, term, Arithmetic::Plain);
         match is_number {
             true => _ = writeln!(body, "    return {term};"),
             false => _ = writeln!(body, "    result[{place}] = {term};"),
         }
-        place += 1;
     }
     if !is_number {
         arguments.push(format!("{real} *result"));
@@ -214,13 +212,11 @@ fn numbers(program: &Program, spelling: &Spelling<'_>, words: &Words) -> String 
         }
         _ => None,
     });
-    let inertias = interface.inertias.iter().enumerate().map(|(place, inertia)| {
+    let inertias = (0..interface.inertias.len()).map(|place| {
         let pivots = program
             .function(SystemRole::Pivots(place))
             .map_or(0, |(_, function)| function.results.iter().map(Vec::len).sum());
-        Words::default()
-            .with("PIVOTS", SystemRole::Pivots(place).name())
-            .with("ROWS", pivots.max(inertia.rows.min(pivots)).to_string())
+        Words::default().with("PIVOTS", SystemRole::Pivots(place).name()).with("ROWS", pivots.to_string())
     });
     let matrices: Vec<Words> = matrices.collect();
     let inertias: Vec<Words> = inertias.collect();

@@ -287,14 +287,13 @@ U_FN int K_is_found_from_start(const K_equation *q, const REAL *solution)
     return K_change(start, solution) <= U_TOWARDS * away;
 }
 
-/* From a guess on, which is one from `elsewhere` if the equation's own first approximation may lead to another solution. */
+/* From a guess on, after iterations that count; it is one from `elsewhere` if the equation's own first approximation may lead to another solution. */
 U_FN void K_newton(const K_equation *q, const REAL *from, int elsewhere, REAL rate, K_solution *s)
 {
     REAL correction[SIZE], last = U_FAR, moved = ONE, now;
     int i, round = 0, done, stalls;
     REAL rounding[SIZE];
     K_copy(s->point, from);
-    s->iterations = 0;
     s->rate = rate;
     for (;;) {
         K_evaluate(q, s->point, &s->evaluation);
@@ -549,10 +548,12 @@ SLOW S_status K_slow(const K_constants *k, K_memory *m, const S_state *x TIMED_A
         rate = s.rate;
     } else {
         s.solved = 0;
+        s.iterations = 0;
     }
     if (!s.solved)
 //else
     (void)first;
+    s.iterations = 0;
 //end
         K_newton(&q, guess, elsewhere, rate, &s);
     if (K_accept(&q, &s, given, next, &inside)) {
