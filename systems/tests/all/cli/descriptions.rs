@@ -27,7 +27,7 @@ fn a_description_to_begin_with_is_run_as_the_catalogue_runs_its_own() {
     let scratch = Scratch::new("described");
     assert!(scratch.prints(&["init", "--description", "my_top.rs"]).contains("list --description my_top.rs"));
     let refused = scratch.coadjoint(&["init", "--description", "my_top.rs"]);
-    assert_eq!(refused.status.code(), Some(4));
+    assert_eq!(refused.status.code(), Some(2));
 
     let listed = scratch.prints(&["list", "--description", "my_top.rs"]);
     for words in [
