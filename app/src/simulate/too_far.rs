@@ -98,7 +98,7 @@ fn fastest<'e>(
         let tangent = quantity.tangent();
         let axes = tangent.start..tangent.start + if coordinates == 4 { 3 } else { 1 };
         let size = |rates: &Vec<f64>| rates[axes.clone()].iter().map(|rate| rate * rate).sum::<f64>().sqrt();
-        Some((&*quantity.name, rates.iter().map(size).fold(0.0, f64::max)))
+        Some((quantity.name, rates.iter().map(size).fold(0.0, f64::max)))
     });
     turns.max_by(|a, b| a.1.total_cmp(&b.1))
 }

@@ -4,7 +4,7 @@
 //! is known to many digits before anything is solved. A fixed-point iteration takes off the factor by which it contracts, about the angle turned
 //! in a step, and mostly brings what is left below rounding. [`step`] is the whole story:
 //!
-//! 1. the fast path: one iteration from the prediction;
+//! 1. the fast path: one iteration from the prediction, of Newton's method a few;
 //! 2. [fixed-point iterations](fixed_point), where they contract strongly;
 //! 3. [Newton's method](newton);
 //! 4. the [rescue](rescue), a lane at a time: damped corrections and continuation, from nothing that is remembered;
