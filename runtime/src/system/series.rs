@@ -68,7 +68,7 @@ pub trait SeriesVisitor<S> {
 }
 
 /// The coefficients of order 0 of a motion.
-pub struct Leading<S: PowerSeries + ?Sized, T: Scalar> {
+pub struct Leading<S: PowerSeries, T: Scalar> {
     /// What later orders need again.
     pub kept: S::Kept<T>,
     /// What has a series.
@@ -78,20 +78,20 @@ pub struct Leading<S: PowerSeries + ?Sized, T: Scalar> {
 }
 
 /// The coefficients of one order of a motion.
-pub struct Next<S: PowerSeries + ?Sized, T: Scalar> {
+pub struct Next<S: PowerSeries, T: Scalar> {
     /// Of the changes of what has a series.
     pub change: S::Coefficients<T>,
     /// Of both operands of all lanes.
     pub operands: [S::Lanes<T>; 2],
 }
 
-impl<S: PowerSeries + ?Sized, T: Scalar> fmt::Debug for Next<S, T> {
+impl<S: PowerSeries, T: Scalar> fmt::Debug for Next<S, T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Next").field("change", &self.change).finish_non_exhaustive()
     }
 }
 
-impl<S: PowerSeries + ?Sized, T: Scalar> fmt::Debug for Leading<S, T> {
+impl<S: PowerSeries, T: Scalar> fmt::Debug for Leading<S, T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Leading")
             .field("start", &self.start)
@@ -206,8 +206,8 @@ impl<S: PowerSeries, T: Real> Series<S, T> {
         };
         let mut sum = [P::doubles(&[T::of(0.0); W]); N];
         self.terms(k, |a, b| {
-            for n in 0..N {
-                sum[n] = P::mul_add(load(a, n), load(b, n), sum[n]);
+            for (n, sum) in sum.iter_mut().enumerate() {
+                *sum = P::mul_add(load(a, n), load(b, n), *sum);
             }
         });
         for (n, sum) in sum.into_iter().enumerate() {
