@@ -249,7 +249,7 @@ mod tests {
             let parsed = crate::cli::parsed(words.into_iter().map(str::to_owned).collect());
             let Ok(crate::cli::Command::Show(arguments)) = parsed else { panic!("{more:?}") };
             let mut shown = Vec::new();
-            show(&catalogue(), &arguments, &mut shown).map(|()| String::from_utf8(shown).expect("text"))
+            show(catalogue(), &arguments, &mut shown).map(|()| String::from_utf8(shown).expect("text"))
         };
         for entry in catalogue().entries() {
             let code = shown(&entry.name, &[]).expect("a header");
