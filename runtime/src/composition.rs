@@ -284,7 +284,7 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
             let is_through = left >= B::STAGES;
             let (all, most) =
                 step.leave(path, steps + u64::from(is_through), if is_through { 0 } else { left });
-            more = (more.0 + all, more.1 + most);
+            more = (more.0.wrapping_add(all), more.1.wrapping_add(most));
             left = left.saturating_sub(B::STAGES);
         }
         more

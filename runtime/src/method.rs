@@ -164,8 +164,8 @@ impl<T: Batch> StepsReport<T> {
         }
         let counts = self.iterations.as_mut().iter_mut().zip(self.max_iterations.as_mut());
         for ((all, most), iterations) in counts.zip(each.as_ref()) {
-            *all += steps * u64::from(*iterations) + more.0;
-            *most = (*most).max(*iterations + more.1);
+            *all += (steps * u64::from(*iterations)).wrapping_add(more.0);
+            *most = (*most).max(iterations.wrapping_add(more.1));
         }
         let larger = self.max_residual.lt(residual);
         self.max_residual = T::select(larger, residual, self.max_residual);
@@ -446,7 +446,7 @@ where
         let is_through = stages >= A::STAGES;
         let one = self.first.leave(first, steps + u64::from(is_through), if is_through { 0 } else { stages });
         let other = self.second.leave(second, steps, stages.saturating_sub(A::STAGES));
-        (one.0 + other.0, one.1 + other.1)
+        (one.0.wrapping_add(other.0), one.1.wrapping_add(other.1))
     }
 
     #[inline(always)]
@@ -490,7 +490,8 @@ where
 #[inline(always)]
 pub(crate) fn sum<T: Batch>(mut a: T::Each<u32>, b: T::Each<u32>) -> T::Each<u32> {
     for (a, b) in a.as_mut().iter_mut().zip(b.as_ref()) {
-        *a += *b;
+        // no sum of iterations is near the largest number, which the optimizer need not prove
+        *a = a.wrapping_add(*b);
     }
     a
 }

@@ -9,6 +9,9 @@
 //! 4. damped corrections and continuation from [`StepRole::Start`](super::StepRole::Start), from nothing that is remembered;
 //! 5. acceptance: the next state, all margins of [`StepRole::Domain`](super::StepRole::Domain) positive, and everything finite.
 //!
+//! Simplified Newton steps, of Hamilton–Jacobi steps, have a predictor of their own, the differences from the explicit start, and a few of them
+//! stand on the fast path. The header has none of that: its steps are the same to rounding.
+//!
 //! A test holds the numbers against the library's.
 
 /// A number of the solver's, or several.
@@ -34,6 +37,11 @@ pub const CONSTANTS: &[Constant] = &[
     constant("LOW", &[3.0], "of so many where controls jump"),
     constant("WEIGHTS", &[231.0 / 32.0, -20.0, 735.0 / 32.0, -637.0 / 32.0, 715.0 / 32.0],
         "weights of x[j] - x[16-j] with j = 1, 2, 3, 5, 7, which continue sixteen solutions"),
+    constant("BINOMIAL", &[8.0, -28.0, 56.0, -70.0],
+        "the first half of the weights that continue eight, of simplified Newton steps"),
+    constant("FEW", &[3.0], "the most simplified Newton steps on the fast path beside the first"),
+    constant("LEFT", &[4.0], "what the last of several of them leaves, in units"),
+    constant("FORGETS", &[0.25], "their rate becomes smaller by this factor at most each time that it is measured"),
     constant("SMALL", &[1e-12], "a prediction off by less is off by rounding"),
     constant("LOST", &[0.1], "a prediction off by more is forgotten"),
     constant("STRONG", &[0.25], "iterations that contract by this factor are gone on with"),
@@ -41,7 +49,7 @@ pub const CONSTANTS: &[Constant] = &[
     constant("ITERATIONS", &[12.0], "the most fixed-point iterations of a step"),
     constant("HARDLY", &[0.025], "the change of a last iteration is this over the squared rate, in units"),
     constant("TOLERANCE", &[8.0, 128.0, 16.0], "but no less and no more than this; the last one is for all iterations but the first"),
-    constant("NEWTON", &[0.5, 1e8], "the same of simplified Newton steps: over the rate, and no more than the second"),
+    constant("NEWTON", &[2.0, 1e8], "the same of simplified Newton steps: over the rate, and no more than the second"),
     constant("QUICK", &[0.04], "the largest rate of which that is as much as the last tolerance"),
     constant("SHARP", &[256.0], "changes from here on show the rate, in units"),
     constant("INTERVALS", &[16.0, 2048.0], "steps between two measurements of the rate, at first and in the long run"),

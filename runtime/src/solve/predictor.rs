@@ -294,11 +294,20 @@ fn earlier<T: Batch, U: Components<T>, X: Piece<T>>(
     ahead: usize,
     i: usize,
 ) -> X {
-    let at = |j: usize| X::of(predictor.row(oldest, j - ahead), i);
-    let difference = |pair: usize| at(PAIRS[pair]).less(at(WINDOW - PAIRS[pair]));
-    let inner = difference(4).times(T::of(WEIGHTS[4])).plus(T::of(WEIGHTS[3]), difference(3));
-    let outer = difference(2).times(T::of(WEIGHTS[2])).plus(T::of(WEIGHTS[1]), difference(1));
-    let last = at(WINDOW).plus(T::of(-WEIGHTS[0]), at(WINDOW - PAIRS[0]));
+    // no closures, which are called where there are many
+    macro_rules! at {
+        ($j:expr) => {
+            X::of(predictor.row(oldest, $j - ahead), i)
+        };
+    }
+    macro_rules! difference {
+        ($pair:literal) => {
+            at!(PAIRS[$pair]).less(at!(WINDOW - PAIRS[$pair]))
+        };
+    }
+    let inner = difference!(4).times(T::of(WEIGHTS[4])).plus(T::of(WEIGHTS[3]), difference!(3));
+    let outer = difference!(2).times(T::of(WEIGHTS[2])).plus(T::of(WEIGHTS[1]), difference!(1));
+    let last = at!(WINDOW).plus(T::of(-WEIGHTS[0]), at!(WINDOW - PAIRS[0]));
     last.and(inner.and(outer))
 }
 

@@ -125,7 +125,8 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
                     memory.predictor.set(&ahead.guess);
                     memory.took(1);
                     let (mut iterations, residual) = self.on_fast_path();
-                    iterations.as_mut().iter_mut().for_each(|iterations| *iterations += ahead.more.1);
+                    let more = ahead.more.1;
+                    iterations.as_mut().iter_mut().for_each(|all| *all = all.wrapping_add(more));
                     return Ok(Advanced { state: next, iterations, residual });
                 }
                 Err(ended) => first = ended,
@@ -259,7 +260,7 @@ fn fast_path<P: Processor, T: Batch, K: Kernel<T>>(
         if kernel.is_newton() {
             memory.predictor.note(&unknown);
         }
-        ahead.more = (ahead.more.0 + u64::from(more), ahead.more.1.max(more));
+        ahead.more = (ahead.more.0.wrapping_add(u64::from(more)), ahead.more.1.max(more));
     }
     (next, Ok(()))
 }

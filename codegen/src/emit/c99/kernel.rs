@@ -150,7 +150,7 @@ impl Kernel<'_> {
             .prefix("K_", format!("{}_", self.prefix))
             .with("SIZE", self.size().to_string())
             .with("RECIPROCALS", reciprocals.join(", "))
-            .with("LEAST_RATE", spelling.number(if self.step.is_newton { 0.5 / 1e8 } else { 1.0 / 256.0 }))
+            .with("LEAST_RATE", spelling.number(if self.step.is_newton { 2.0 / 1e8 } else { 1.0 / 256.0 }))
             .with("COMPACT_STALL", spelling.number(spelling.stall()))
             .with("REMEMBERED", REMEMBERED.to_string())
             .with("CORRECTIONS", CORRECTIONS.to_string())
