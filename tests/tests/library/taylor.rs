@@ -1,6 +1,7 @@
 //! Taylor steps: as accurate as the tolerance, on group and orbit at every tolerance.
 // in a test, a panic is the report
 #![allow(clippy::unwrap_used)]
+#![allow(clippy::clone_on_copy, reason = "whether a state is one that is copied is of no interest here")]
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -265,8 +266,11 @@ fn taylor_steps_follow_the_motion_of_each_kind_of_system() {
     check("all functions", &Functions {}, start, NoControl::default(), 2.0);
 }
 
+/// A case: its name, the top, its start, and its states at times.
+type Reference = (String, Top, TopState, Vec<(f64, TopState)>);
+
 /// The cases of the reference file as tops, their starts, and the states at later times.
-fn references() -> Vec<(String, Top, TopState, Vec<(f64, TopState)>)> {
+fn references() -> Vec<Reference> {
     let file: Value = serde_json::from_str(include_str!("../../data/reference.json")).unwrap();
     let vector = |value: &Value| Vector3::from_fn(|i, _| value[i].as_f64().unwrap());
     let state = |point: &Value| {
