@@ -259,7 +259,7 @@ mod tests {
             assert!(code.contains("typedef float") && code.contains("gamma[5]"), "{}", entry.name);
             let error =
                 shown(&entry.name, &["--method", "family=1/7"]).expect_err("it is not there").to_string();
-            assert!(error.contains("there is no step `Family<Exponential, 1, 7>`"), "{error}");
+            assert!(error.contains("there is no step `Family<") && error.contains(", 1, 7>`"), "{error}");
         }
     }
 }

@@ -310,7 +310,8 @@ fn the_error_is_that_of_doubles_and_casimirs_are_kept() {
                 distance(&reached(&start, 1e-15), &end) / 1e-8
             };
             let condition = largest((0..3).map(disturbed)).max(1.0);
-            let (error, allowed) = (distance(&end, &expected), 10.0 * f64::EPSILON * condition);
+            let size = largest(expected.to_components()).max(1.0);
+            let (error, allowed) = (distance(&end, &expected), 10.0 * f64::EPSILON * condition * size);
             assert!(error < allowed, "{name} at {time} s: {error:e}, condition {condition:.1}");
             for tolerance in [1e-4, 1e-6, 1e-9, 1e-12, 1e-15] {
                 let state = reached(&start, tolerance);
@@ -329,8 +330,10 @@ fn a_planet_comes_back_after_a_thousand_orbits() {
     let (system, start) = kepler(0.9);
     let (mut state, mut trajectory) = (start.clone(), system.adaptive(1e-15).unwrap());
     let report = trajectory.to(&mut state, 1_000.0 * TAU).unwrap();
-    // where the planet is nearest to the sun, an error of time is ten times as large; that of a double of the time is 1e-12
-    assert!(distance(&state, &start) < 1e-9, "{:e} after {} steps", distance(&state, &start), report.steps);
+    // where the planet is nearest to the sun, its momentum changes by 100 per unit of time, its position by 4: that is an error of the time of
+    // 2e-9 in 6,283, of 74,000 steps
+    let (position, all) = ((state.position - start.position).norm(), distance(&state, &start));
+    assert!(position < 1e-8 && all < 2e-7, "{position:e}, {all:e} after {} steps", report.steps);
     assert!((system.energy(&state) - system.energy(&start)).abs() < 1e-13);
 }
 
@@ -438,7 +441,8 @@ fn what_cannot_be_done_is_said_and_changes_nothing() {
     let (mut state, mut trajectory) = (rest.clone(), body.adaptive(1e-9).unwrap());
     assert_eq!(trajectory.step(&mut state), Err(StepError::NoEnd));
     assert_eq!(trajectory.to(&mut state, 1e6).unwrap().steps, 1);
-    assert_eq!(state, rest);
+    // the quaternion is normalized
+    assert!(state.momentum == rest.momentum && distance(&state, &rest) < 2e-16);
     // thrown upward: a parabola, exactly
     let (mut thrown, mut start, _) = quadrotor();
     (thrown.damping, start.attitude_momentum) = (0.0, Vector3::zeros());

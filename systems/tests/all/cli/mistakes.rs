@@ -185,7 +185,7 @@ fn bad_input_is_refused_with_a_message() {
     ] {
         fs::write(scratch.0.join(format!("{name}.toml")), content).expect("writable");
     }
-    fs::write(scratch.0.join("damaged.ck"), "coadjoint checkpoint 4\nabcdefgh").expect("writable");
+    fs::write(scratch.0.join("damaged.ck"), "coadjoint checkpoint 5\nabcdefgh").expect("writable");
     for (arguments, code, expected) in cases {
         let output = scratch.coadjoint(arguments);
         let message = text(&output.stderr);
