@@ -13,7 +13,7 @@
 //!    an underscore.
 //! 5. Types: what each [`Kind`](crate::quantity::Kind) is stored as, and the scalar of the
 //!    [`Interface`](crate::program::Interface).
-//! 6. What [callers do](crate::program#what-callers-do), and the [solver](crate::program::solver) of a step's equation, if the target has none.
+//! 6. What [callers do](mod@crate::program#what-callers-do), and the [solver](crate::program::solver) of a step's equation, if the target has none.
 //! 7. A test that compiles the text and runs it, as `systems/tests/c99.rs`, which holds C against Rust to the last bit.
 
 pub mod bytes;

@@ -25,7 +25,7 @@
 //! * With an inertia or a Hamiltonian it is `S` that is derived: its argument is the momentum.
 //! * With a Lagrangian it is `R`, and so it is where forces act: what is left of it then are its
 //!   derivatives, with which the step is symmetric and of order `p`, and not symplectic, as the motion is not.
-//! * Where `h` does not depend on the configuration, the exponential has a [step](reduced) of fewer operations: the
+//! * Where `h` does not depend on the configuration, the exponential has a step of fewer operations: the
 //!   advected parameters are then part of the momentum.
 //!
 //! Ge and Marsden, Phys. Lett. A 133 (1988) 134; Ferraro, de León, Marrero, Martín de Diego and Vaquero,
