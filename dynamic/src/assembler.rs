@@ -328,6 +328,7 @@ fn elementary(function: program::Elementary) -> Operation {
     Operation::Elementary(match function {
         Of::Sqrt => return Operation::Sqrt,
         Of::RecipOrZero => return Operation::RecipOrZero,
+        // the caller looks for the first, and a statement has all of the second of one argument
         Of::AngleOverSine(_) | Of::Stumpff(_) => unreachable!("they are operations of their own"),
         Of::Exp => Elementary::Exp,
         Of::Ln => Elementary::Ln,

@@ -158,6 +158,7 @@ impl Places for InStep<'_> {
             Input::Record(RecordKind::Constants) => layout.constants.start,
             Input::Record(RecordKind::Step) => layout.step.start,
             Input::Record(RecordKind::Iterate) => layout.iterate.start,
+            // the table of signatures, `program/roles.rs`, gives steps the inputs above alone
             _ => unreachable!("no function of a step is given {input:?}"),
         }
     }
