@@ -4,7 +4,7 @@
 use super::System;
 use super::series::{MOST_COEFFICIENTS, PowerSeries, Series};
 use crate::error::ParameterError;
-use crate::scalar::{Batch, Scalar};
+use crate::scalar::{Batch, Components as _, Scalar};
 
 /// The lowest order: the rule for the step looks at the last two terms.
 pub(crate) const LEAST_ORDER: usize = 4;
@@ -30,6 +30,8 @@ pub struct Adaptive<S: PowerSeries> {
     /// When it started; not a number where the series are not those of the last step.
     pub(crate) from: f64,
     pub(crate) series: Series<S, S::Scalar>,
+    /// The largest that an input has been.
+    pub(crate) sizes: S::ControlComponents<f64>,
 }
 
 impl<S: PowerSeries> Adaptive<S> {
@@ -53,6 +55,7 @@ impl<S: PowerSeries> Adaptive<S> {
             last: None,
             from: f64::NAN,
             series: Series::new((order as usize).clamp(LEAST_ORDER, MOST_COEFFICIENTS)),
+            sizes: S::ControlComponents::splat(0.0),
         })
     }
 }

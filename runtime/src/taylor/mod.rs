@@ -32,15 +32,17 @@
 use core::fmt;
 
 use crate::error::{ParameterError, StepError};
-use crate::scalar::{Batch, Real, Scalar as _};
+use crate::scalar::{Batch, Components as _, Real, Scalar as _};
 use crate::stepper::report::{RunError, RunReport};
 use crate::stepper::{Inputs, StepReport, Stepping, check_deviation, check_step};
 #[cfg(doc)]
 use crate::system::System;
 pub use crate::system::adaptive::Adaptive;
 use crate::system::adaptive::LEAST_ORDER;
+use crate::system::input::{self, Fit, Polynomial};
+use crate::system::series;
 pub use crate::system::series::PowerSeries;
-use crate::system::series::{Advance, Length, MOST_COEFFICIENTS, Start};
+use crate::system::series::{Advance, Coefficients, Length, MOST_COEFFICIENTS, Start};
 #[doc(hidden)]
 pub use crate::system::series::{Leading, Next, SeriesVisitor};
 use crate::system::{Control, Dynamics, State};
@@ -93,6 +95,7 @@ impl<S: PowerSeries> Adaptive<S> {
     /// Sets the time: the next step starts at `time`.
     pub fn set_time(&mut self, time: f64) {
         (self.time, self.from) = ([time, 0.0], f64::NAN);
+        self.sizes = S::ControlComponents::splat(0.0);
     }
 
     /// The steps taken.
@@ -119,10 +122,14 @@ impl<S: PowerSeries> Adaptive<S> {
     /// If the state, the time or the control is not finite, or the state's configuration not on its group; or if the step would be so short that time
     /// does not go on, as before a singularity. State and time are then as before the call.
     pub fn step_with(&mut self, state: &mut S::State, control: &S::Control) -> Result<f64, StepError> {
+        self.next_step(state, Inputs::Held(control))
+    }
+
+    fn next_step(&mut self, state: &mut S::State, input: Inputs<'_, S::Control>) -> Result<f64, StepError> {
         if self.end.is_finite() {
-            return self.step_toward(state, control, self.end);
+            return self.next_toward(state, input, self.end);
         }
-        self.advance(state, control, self.fixed.map_or(Length::AtMost(self.most), Length::Exactly))
+        self.advance(state, input, self.fixed.map_or(Length::AtMost(self.most), Length::Exactly))
     }
 
     /// Takes one step toward a time with `control` held, and no farther. Returns its length; 0 where it is that time.
@@ -133,6 +140,15 @@ impl<S: PowerSeries> Adaptive<S> {
         &mut self,
         state: &mut S::State,
         control: &S::Control,
+        time: f64,
+    ) -> Result<f64, StepError> {
+        self.next_toward(state, Inputs::Held(control), time)
+    }
+
+    fn next_toward(
+        &mut self,
+        state: &mut S::State,
+        input: Inputs<'_, S::Control>,
         time: f64,
     ) -> Result<f64, StepError> {
         let way = (time - self.time[0]) - self.time[1];
@@ -147,7 +163,7 @@ impl<S: PowerSeries> Adaptive<S> {
             Some(_) => Length::Exactly(if longest < way.abs() { longest.copysign(way) } else { way }),
             None => Length::AtMost(way.abs().min(longest).copysign(way)),
         };
-        let step = self.advance(state, control, length)?;
+        let step = self.advance(state, input, length)?;
         if step == way {
             self.time = [time, 0.0];
         }
@@ -172,9 +188,18 @@ impl<S: PowerSeries> Adaptive<S> {
         control: &S::Control,
         time: f64,
     ) -> Result<RunReport, RunError> {
+        self.all_toward(state, Inputs::Held(control), time)
+    }
+
+    fn all_toward(
+        &mut self,
+        state: &mut S::State,
+        mut input: Inputs<'_, S::Control>,
+        time: f64,
+    ) -> Result<RunReport, RunError> {
         let mut report = RunReport::default();
         loop {
-            match self.step_toward(state, control, time) {
+            match self.next_toward(state, input.again(), time) {
                 Ok(0.0) => return Ok(report),
                 Ok(_) => report.count(&EXPLICIT),
                 Err(cause) => return Err(RunError::new(self.taken + 1, self.time(), report, cause)),
@@ -192,7 +217,75 @@ impl<S: PowerSeries> Adaptive<S> {
     fn advance(
         &mut self,
         state: &mut S::State,
+        input: Inputs<'_, S::Control>,
+        length: Length,
+    ) -> Result<f64, StepError> {
+        match input {
+            Inputs::Held(control) => self.advance_with(state, control, None, length),
+            Inputs::Driven(input) => self.advance_driven(state, input, length),
+        }
+    }
+
+    /// Finds a step over which a polynomial is as close to the input as the tolerance, and takes it, or a part of it.
+    fn advance_driven(
+        &mut self,
+        state: &mut S::State,
+        input: &mut dyn FnMut(f64) -> S::Control,
+        length: Length,
+    ) -> Result<f64, StepError> {
+        let now = self.time[0];
+        let (Length::Exactly(most) | Length::AtMost(most)) = length;
+        let mut trial = match (length, self.last) {
+            (Length::Exactly(step), _) => step,
+            // it may grow again behind where it had to be short
+            (_, Some(last)) => (4.0 * last.abs()).min(most.abs()).copysign(most),
+            (_, None) => {
+                let (taken, time) = (self.taken, self.time);
+                let step = self.advance_with(&mut state.clone(), &input(now), None, length);
+                (self.taken, self.time, self.from, self.last) = (taken, time, f64::NAN, None);
+                step?
+            }
+        };
+        let reference = if most.is_finite() { most } else { trial };
+        let least = (self.tolerance * reference.abs()).max(SHORTEST * 2.0 * now.abs());
+        let zero = S::ControlComponents::<f64>::splat(0.0);
+        let mut ask = |time: f64| {
+            let (control, mut numbers) = (input(time).to_components(), zero);
+            for (to, number) in numbers.as_mut().iter_mut().zip(control.as_ref()) {
+                *to = number.to_f64();
+            }
+            numbers
+        };
+        // no input has more digits
+        let (count, tolerance) = (input::count(self.order()), self.tolerance.max(64.0 * f64::EPSILON));
+        let mut sizes = self.sizes;
+        let polynomial = loop {
+            let (polynomial, fit) = Polynomial::through(&mut sizes, count, (now, trial), tolerance, &mut ask);
+            match fit {
+                Fit::Shorter(by) if matches!(length, Length::AtMost(_)) && trial.abs() > least => {
+                    trial = (trial.abs() * by.clamp(0.02, 0.7)).max(least).copysign(most);
+                }
+                Fit::Shorter(_) | Fit::Close => break polynomial,
+            }
+        };
+        self.sizes = sizes;
+        let mut control = S::ControlComponents::<S::Scalar>::splat(S::Scalar::of(0.0));
+        let first = polynomial.order(0).map_or(&[][..], |first| first.as_ref());
+        for (to, number) in control.as_mut().iter_mut().zip(first) {
+            *to = S::Scalar::of(*number);
+        }
+        let length = match length {
+            Length::Exactly(step) => Length::Exactly(step),
+            Length::AtMost(_) => Length::AtMost(trial),
+        };
+        self.advance_with(state, &S::Control::from_components(&control), Some(&polynomial), length)
+    }
+
+    fn advance_with(
+        &mut self,
+        state: &mut S::State,
         control: &S::Control,
+        input: Option<&series::Input<S>>,
         length: Length,
     ) -> Result<f64, StepError> {
         check_deviation(state.deviation().to_f64())?;
@@ -213,6 +306,7 @@ impl<S: PowerSeries> Adaptive<S> {
                 time,
                 control: &control_components,
                 velocity: &velocity,
+                input,
             },
             before: self.last,
             length,
@@ -292,13 +386,17 @@ impl<S: PowerSeries> Stepping for Adaptive<S> {
 
     #[cfg(feature = "std")]
     fn snapshot(&self) -> std::vec::Vec<f64> {
-        std::vec![self.time[0], self.time[1], self.taken as f64, self.last_step()]
+        let own = [self.time[0], self.time[1], self.taken as f64, self.last_step()];
+        own.into_iter().chain(self.sizes.as_ref().iter().copied()).collect()
     }
 
     fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
-        let &[high, low, taken, last] = memory else {
-            return Err(ParameterError::Snapshot { expected: 4, got: memory.len() });
+        let expected = 4 + self.sizes.as_ref().len();
+        let (&[high, low, taken, last], sizes) = match memory.split_first_chunk() {
+            Some(split) if memory.len() == expected => split,
+            _ => return Err(ParameterError::Snapshot { expected, got: memory.len() }),
         };
+        self.sizes.as_mut().copy_from_slice(sizes);
         (self.time, self.taken, self.from) = ([high, low], taken as u64, f64::NAN);
         self.last = Some(last).filter(|last| *last != 0.0);
         Ok(())
@@ -310,10 +408,10 @@ impl<S: PowerSeries> Stepping for Adaptive<S> {
 
     fn step_driven(
         &mut self,
-        _: &mut S::State,
-        _: &mut dyn FnMut(f64) -> S::Control,
+        state: &mut S::State,
+        input: &mut dyn FnMut(f64) -> S::Control,
     ) -> Result<StepReport, StepError> {
-        Err(StepError::NotDriven)
+        self.next_step(state, Inputs::Driven(input)).map(|_| EXPLICIT)
     }
 
     fn steps_with(
@@ -337,7 +435,6 @@ impl<S: PowerSeries> Stepping for Adaptive<S> {
         (start, length): (f64, f64),
         input: Inputs<'_, S::Control>,
     ) -> Result<StepReport, StepError> {
-        let Inputs::Held(control) = input else { return Err(StepError::NotDriven) };
         if start == self.from && self.last.is_some_and(|last| (0.0..=1.0).contains(&(length / last))) {
             // within the last step, whose series are there
             *state = S::State::from_components(&self.series.state(S::Scalar::of(length)));
@@ -345,8 +442,30 @@ impl<S: PowerSeries> Stepping for Adaptive<S> {
         }
         let mut beside = self.of(S::from_parameters(&self.system.to_parameters()));
         (beside.time, beside.end) = ([start, 0.0], f64::INFINITY);
-        beside.to_with(state, control, start + length).map_err(|error| error.cause)?;
+        beside.all_toward(state, input, start + length).map_err(|error| error.cause)?;
         Ok(EXPLICIT)
+    }
+
+    fn event_series(
+        &self,
+        event: usize,
+        state: &S::State,
+        (start, length): (f64, f64),
+        input: Inputs<'_, S::Control>,
+        coefficients: &mut Coefficients,
+    ) -> Option<usize> {
+        if start == self.from && self.last == Some(length) {
+            return self.series.event(event, length, coefficients);
+        }
+        let Inputs::Held(control) = input else { return None };
+        if !S::EVENTS_WITH_SERIES.contains(&event) {
+            return None;
+        }
+        let mut beside = self.of(S::from_parameters(&self.system.to_parameters()));
+        beside.time = [start, 0.0];
+        // be it that the state at its end is none: the series tells by itself how far it goes
+        let _ = beside.advance_with(&mut state.clone(), control, None, Length::Exactly(length));
+        beside.series.event(event, length, coefficients)
     }
 
     fn go_on_at(&mut self, time: f64, steps: u64) {
@@ -386,9 +505,9 @@ impl<S: PowerSeries + Clone> Clone for Adaptive<S> {
 impl<S: PowerSeries> Adaptive<S> {
     /// The same for a system.
     fn of(&self, system: S) -> Self {
-        let Self { tolerance, fixed, most, end, time, taken, last, from, .. } = *self;
+        let Self { tolerance, fixed, most, end, time, taken, last, from, sizes, .. } = *self;
         let series = self.series.clone();
-        Self { system, tolerance, fixed, most, end, time, taken, last, from, series }
+        Self { system, tolerance, fixed, most, end, time, taken, last, from, series, sizes }
     }
 }
 
