@@ -65,6 +65,31 @@ pub enum Side {
     Right,
 }
 
+/// Which zeros of a quantity count, in the direction of the run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// From below to above.
+    Rising,
+    /// From above to below.
+    Falling,
+    /// All of them, also where the quantity touches zero.
+    Both,
+}
+
+impl Direction {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Rising, Self::Falling, Self::Both];
+
+    /// The word for it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rising => "rising",
+            Self::Falling => "falling",
+            Self::Both => "both",
+        }
+    }
+}
+
 impl From<Shape> for Kind {
     fn from(shape: Shape) -> Self {
         match shape {

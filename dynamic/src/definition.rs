@@ -5,9 +5,9 @@ use std::sync::Arc;
 use coadjoint::erased::RetractionKind;
 use coadjoint::erased::dynamic::{
     Definition, Given, Inertia, LANES, Layout, Lengths, Rule, Step, StepFunction, StepFunctions,
-    SystemFunction, SystemFunctions, Work, description, side_by_side,
+    SystemFunction, SystemFunctions, Work, description, side_by_side, with_events,
 };
-use coadjoint::{Kind, Quantity, Role, Side};
+use coadjoint::{Event, Kind, Quantity, Role, Side};
 use coadjoint_codegen::emit::bytes;
 use coadjoint_codegen::program::{
     self, Function, Input, Interface, Module, Program, RecordKind, StepProgram, StepRole, SystemRole,
@@ -29,21 +29,33 @@ pub(crate) fn definition(program: &Program, constants: Vec<f64>) -> Definition {
         name: intern::text(&inertia.name),
         rows: inertia.is_matrix.then_some(inertia.rows),
     });
+    let events = interface.events.iter().map(|(name, direction)| {
+        let event = match direction {
+            quantity::Direction::Rising => Event::rising(),
+            quantity::Direction::Falling => Event::falling(),
+            quantity::Direction::Both => Event::any(),
+        };
+        (intern::text(name), event)
+    });
+    let events = intern::events(events.collect());
     Definition {
-        description: description(
-            intern::text(&interface.name),
-            [&interface.parameters, &interface.state, &interface.controls].map(|all| quantities(all)),
-            intern::texts(&interface.casimirs),
-            match interface.side {
-                quantity::Side::Left => Side::Left,
-                quantity::Side::Right => Side::Right,
-            },
-            [
-                interface.is_autonomous,
-                interface.is_left_invariant,
-                interface.is_forced,
-                interface.is_piecewise,
-            ],
+        description: with_events(
+            description(
+                intern::text(&interface.name),
+                [&interface.parameters, &interface.state, &interface.controls].map(|all| quantities(all)),
+                intern::texts(&interface.casimirs),
+                match interface.side {
+                    quantity::Side::Left => Side::Left,
+                    quantity::Side::Right => Side::Right,
+                },
+                [
+                    interface.is_autonomous,
+                    interface.is_left_invariant,
+                    interface.is_forced,
+                    interface.is_piecewise,
+                ],
+            ),
+            events,
         ),
         constants,
         inertias: inertias.collect(),
@@ -311,7 +323,9 @@ fn system_functions(program: &Program) -> InterpretedSystem {
         (SystemFunction::HamiltonianVector, SystemRole::HamiltonianVector),
         (SystemFunction::Force, SystemRole::Force),
     ];
-    let all = others.into_iter().chain(pivots).chain(displacements);
+    let events = (0..program.interface.events.len())
+        .map(|place| (SystemFunction::Event(place), SystemRole::Event(place)));
+    let all = others.into_iter().chain(pivots).chain(displacements).chain(events);
     let there = all
         .filter_map(|(function, role)| program.function(role).map(|(_, code)| (function, Plain::new(code))));
     InterpretedSystem(there.collect())

@@ -4,12 +4,18 @@
 use std::collections::{HashMap, HashSet};
 use std::sync::{LazyLock, Mutex, PoisonError};
 
-use coadjoint::Quantity;
+use coadjoint::{Event, Quantity};
 
 static TEXTS: LazyLock<Mutex<HashSet<&'static str>>> = LazyLock::new(Mutex::default);
 static LISTS: LazyLock<Mutex<HashSet<&'static [&'static str]>>> = LazyLock::new(Mutex::default);
 /// By what is shown of them.
 static QUANTITIES: LazyLock<Mutex<HashMap<String, &'static [Quantity]>>> = LazyLock::new(Mutex::default);
+
+/// By what is shown of them.
+static EVENTS: LazyLock<Mutex<HashMap<String, Events>>> = LazyLock::new(Mutex::default);
+
+/// Names of events, and which of their zeros count.
+type Events = &'static [(&'static str, Event)];
 
 /// A text.
 pub(crate) fn text(text: &str) -> &'static str {
@@ -38,4 +44,10 @@ pub(crate) fn texts<'a>(all: impl IntoIterator<Item = &'a String>) -> &'static [
 pub(crate) fn quantities(all: Vec<Quantity>) -> &'static [Quantity] {
     let mut quantities = QUANTITIES.lock().unwrap_or_else(PoisonError::into_inner);
     quantities.entry(format!("{all:?}")).or_insert_with(|| all.leak())
+}
+
+/// Events.
+pub(crate) fn events(all: Vec<(&'static str, Event)>) -> Events {
+    let mut events = EVENTS.lock().unwrap_or_else(PoisonError::into_inner);
+    events.entry(format!("{all:?}")).or_insert_with(|| all.leak())
 }

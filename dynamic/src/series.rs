@@ -10,17 +10,20 @@ use crate::in_one_frame::InOneFrame;
 /// The functions of a motion's power series.
 pub(crate) struct InterpretedSeries {
     blocks: Vec<usize>,
+    controls: Option<usize>,
+    events: Vec<usize>,
     functions: InOneFrame<TaylorRole>,
 }
 
 impl InterpretedSeries {
     /// Those of a program.
     pub(crate) fn shared(program: &TaylorProgram) -> Arc<dyn SeriesFunctions> {
-        let functions = InOneFrame::new(&program.module, RecordKind::Step);
-        Arc::new(Self { blocks: program.blocks.clone(), functions })
+        let TaylorProgram { blocks, controls, events, module } = program;
+        let functions = InOneFrame::new(module, RecordKind::Step);
+        Arc::new(Self { blocks: blocks.clone(), controls: *controls, events: events.clone(), functions })
     }
 
-    /// Computes a function, and shows the first of its results.
+    /// Computes a function, and writes its results.
     fn results<const N: usize>(&self, frame: &mut [f64], role: TaylorRole, to: [&mut [f64]; N]) {
         let places = self.functions.call(frame, role);
         for (to, place) in to.into_iter().zip(places) {
@@ -38,6 +41,14 @@ impl SeriesFunctions for InterpretedSeries {
         self.functions.length(Input::Sums)
     }
 
+    fn controls(&self) -> Option<usize> {
+        self.controls
+    }
+
+    fn events(&self) -> &[usize] {
+        &self.events
+    }
+
     fn asks_for_velocity(&self) -> bool {
         self.functions.length(Input::Velocity) > 0
     }
@@ -46,7 +57,7 @@ impl SeriesFunctions for InterpretedSeries {
         self.functions.frame()
     }
 
-    fn leading(&self, frame: &mut [f64], given: &Given<'_>, start: &mut [f64], change: &mut [f64]) {
+    fn leading(&self, frame: &mut [f64], given: &Given<'_>, to: [&mut [f64]; 3]) {
         let inputs = [
             (Input::Parameters, given.parameters),
             (Input::State, given.state),
@@ -55,19 +66,18 @@ impl SeriesFunctions for InterpretedSeries {
             (Input::Velocity, given.velocity),
         ];
         inputs.into_iter().for_each(|(input, numbers)| self.functions.give(frame, input, numbers));
-        self.results(frame, TaylorRole::Leading, [start, change]);
+        self.results(frame, TaylorRole::Leading, to);
     }
 
     fn next(
         &self,
         frame: &mut [f64],
         (coefficients, sums, order): (&[f64], &[f64], f64),
-        change: &mut [f64],
-        [left, right]: [&mut [f64]; 2],
+        to: [&mut [f64]; 4],
     ) {
         let inputs = [(Input::Coefficients, coefficients), (Input::Sums, sums), (Input::Order, &[order])];
         inputs.into_iter().for_each(|(input, numbers)| self.functions.give(frame, input, numbers));
-        self.results(frame, TaylorRole::Next, [change, left, right]);
+        self.results(frame, TaylorRole::Next, to);
     }
 
     fn finish(&self, frame: &mut [f64], end: &[f64]) -> Vec<f64> {

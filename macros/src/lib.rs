@@ -16,6 +16,7 @@ use proc_macro::TokenStream;
 /// | `control(moment: R3, thrust: f64)` | inputs you pass to each step; constant during it |
 /// | `force = moment`, `force(attitude = moment)` | forces and torques; of rigid motions also a pair, `(moment, push)`; on one of an array, `force(spins[0] = moment)`, or on all |
 /// | `invariance = right` | momentum and velocity in space, in place of the body |
+/// | `event(apogee = position.dot(&momentum), falling)` | events: quantities that may become zero, for `Run::on("apogee", …)`; behind each `rising`, `falling` or `both` |
 /// | `methods(Midpoint, HamiltonJacobi(6), Family(1, 4), TangentLift)` | schemes to generate beside the standard ones |
 /// | `retractions(Cayley)` | the retractions to generate steps with: `Exponential`, `Cayley`, `SecondKind`; without it the first two, on some groups of matrices one of them |
 /// | `derivatives`, `derivatives(state, controls, parameters, tangent, adjoint)` | the derivatives of steps to generate, all or those named |

@@ -1,6 +1,10 @@
 //! What can go wrong, typed.
 
+use core::fmt;
+
 use thiserror::Error;
+
+use crate::crossing::Event;
 
 /// A parameter, or the step size, with which no stepper can be built.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
@@ -94,6 +98,12 @@ pub enum StepError {
         /// The time asked for.
         time: f64,
     },
+    /// The description has no event of the name that [`Run::on`](crate::Run::on) was given.
+    #[error("the description has no event of this name; it has {}", named(known))]
+    NoEvent {
+        /// The events that it has.
+        known: &'static [(&'static str, Event)],
+    },
     /// Events come ever closer to each other, as those of a ball that bounces and comes to rest, or never stop coming.
     #[error(
         "there are more than {most} events within the step, the last one at the time {time}: they come ever closer to each other; let the \
@@ -146,11 +156,6 @@ pub enum StepError {
         /// The step that the series would allow.
         step: f64,
     },
-    /// A Taylor step holds its control; an input that is a function of time has its series where the description names the time `t`.
-    #[error(
-        "Taylor steps hold their controls: write an input that is a function of time into the description, by `t`"
-    )]
-    NotDriven,
     /// A Taylor step would have no end, for the motion is a polynomial in time, as it is at rest.
     #[error(
         "the motion is a polynomial in time, so that a step of any length is exact: say to which time, or bound the step"
@@ -163,4 +168,18 @@ pub enum StepError {
         "the step has no finite derivative here: a root, a norm or a power in the description is zero; add a small number under the root"
     )]
     NoDerivative,
+}
+
+/// Names in a row, or none.
+fn named(events: &'static [(&'static str, Event)]) -> impl fmt::Display {
+    struct Names(&'static [(&'static str, Event)]);
+    impl fmt::Display for Names {
+        fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            for (place, (name, _)) in self.0.iter().enumerate() {
+                write!(f, "{}`{name}`", if place == 0 { "" } else { ", " })?;
+            }
+            if self.0.is_empty() { f.write_str("none: write `event(name = …)`") } else { Ok(()) }
+        }
+    }
+    Names(events)
 }

@@ -3,8 +3,10 @@
 use core::fmt;
 
 use crate::error::StepError;
+use crate::scalar::Scalar;
 use crate::stepper::{Inputs, StepReport, Stepping};
 use crate::system::Dynamics;
+use crate::system::series::Coefficients;
 
 type StateOf<T> = <<T as Stepping>::System as Dynamics>::State;
 type ControlOf<T> = <<T as Stepping>::System as Dynamics>::Control;
@@ -20,15 +22,22 @@ pub trait Dense<S: Dynamics + ?Sized> {
     /// # Errors
     /// If there is none.
     fn at(&mut self, share: f64, state: &mut S::State) -> Result<(), StepError>;
-    /// Writes the coefficients of the condition of an event in powers of the share, the constant one first, and how many there are, if they are known:
-    /// then nothing within the step need be looked at to find its zeros.
-    fn series(&mut self, _event: usize, _coefficients: &mut Coefficients) -> Option<usize> {
+    /// The state at its start.
+    fn before(&self) -> &S::State;
+    /// What is zero at an event of the description, in a state at a time of the step.
+    fn event(&mut self, event: usize, state: &S::State, time: f64) -> f64;
+    /// Writes the coefficients of an event of the description in powers of the share of a part of the step, the constant one first. The part starts at a
+    /// share of the step; how many coefficients there are, and the share where it ends, if they are known: then nothing within it need be looked
+    /// at to find its zeros.
+    fn series(
+        &mut self,
+        _event: usize,
+        _from: f64,
+        _coefficients: &mut Coefficients,
+    ) -> Option<(usize, f64)> {
         None
     }
 }
-
-/// Of a polynomial of no degree above 32.
-pub(crate) type Coefficients = [f64; 33];
 
 /// A step that was taken, and the motion within it: dense output.
 ///
@@ -181,6 +190,41 @@ impl<T: Stepping + ?Sized> Part<'_, T> {
     }
 }
 
+/// Takes a power series of shares of a part to that share of it over which its terms become as small as their number can make them, and tells this
+/// share. None if a coefficient is not finite.
+fn converging(coefficients: &mut [f64]) -> Option<f64> {
+    let count = coefficients.len();
+    if count < 3 || coefficients.iter().any(|x| !x.is_finite()) {
+        return None;
+    }
+    let rest = Scalar::exp(-2.0 * count as f64).max(f64::EPSILON).min(1e-6);
+    let mut whole = 1.0;
+    // each time the terms are closer to those of the share that is sought
+    for _ in 0..MOST_CUTS {
+        let size = coefficients.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+        let mut share = 1.0_f64;
+        for (power, x) in coefficients.iter().enumerate().skip(count - 2) {
+            if x.abs() > rest * size {
+                share = share.min(Scalar::powf(rest * size / x.abs(), 1.0 / power as f64));
+            }
+        }
+        if share == 1.0 {
+            break;
+        }
+        share *= 0.95;
+        whole *= share;
+        let mut power = 1.0;
+        for x in coefficients.iter_mut() {
+            *x *= power;
+            power *= share;
+        }
+    }
+    Some(whole)
+}
+
+/// How often a part is made shorter, at most.
+const MOST_CUTS: u32 = 100;
+
 impl<T: Stepping + ?Sized> Dense<T::System> for Part<'_, T> {
     fn time(&self, share: f64) -> f64 {
         if share >= 1.0 { self.end } else { self.start + share * (self.end - self.start) }
@@ -202,5 +246,32 @@ impl<T: Stepping + ?Sized> Dense<T::System> for Part<'_, T> {
             return Ok(());
         }
         self.stepper.step_beside(state, (self.start, length), self.input.again()).map(|_| ())
+    }
+
+    fn before(&self) -> &StateOf<T> {
+        self.before
+    }
+
+    fn event(&mut self, event: usize, state: &StateOf<T>, time: f64) -> f64 {
+        let system = self.stepper.system();
+        match &mut self.input {
+            Inputs::Held(control) => system.event(event, state, time, control),
+            Inputs::Driven(input) => system.event(event, state, time, &input(time)),
+        }
+    }
+
+    fn series(&mut self, event: usize, from: f64, coefficients: &mut Coefficients) -> Option<(usize, f64)> {
+        let (start, length) = (self.start + from * (self.end - self.start), self.length - from * self.length);
+        let count = if from == 0.0 {
+            let input = self.input.again();
+            self.stepper.event_series(event, self.before, (self.start, self.length), input, coefficients)?
+        } else {
+            let mut state = self.before.clone();
+            self.at(from, &mut state).ok()?;
+            let input = self.input.again();
+            self.stepper.event_series(event, &state, (start, length), input, coefficients)?
+        };
+        let part = converging(coefficients.get_mut(..count)?)?;
+        Some((count, if part < 1.0 { from + part * (1.0 - from) } else { 1.0 }))
     }
 }

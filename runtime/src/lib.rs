@@ -65,6 +65,7 @@ mod clamp;
 #[cfg(feature = "std")]
 mod compensated;
 pub mod composition;
+mod crossing;
 pub mod derivative;
 #[cfg(feature = "std")]
 mod double;

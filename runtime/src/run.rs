@@ -43,7 +43,7 @@ use core::fmt;
 use core::ops::ControlFlow;
 
 use crate::error::StepError;
-use crate::event::{Event, Occurrence, Samples, Watched, Within};
+use crate::event::{Described, Event, Occurrence, Samples, Watched, Within};
 use crate::observe::{Each, Every, Observer, Until};
 #[cfg(doc)]
 use crate::stepper::Stepper;
@@ -417,8 +417,51 @@ where
         G: FnMut(&S::State, f64) -> f64,
         F: FnMut(&mut Occurrence<'_, S>),
     {
-        let number = self.within.events();
-        self.doing(Watched::new(number, event, condition, action))
+        self.doing(Watched::new(event, condition, action))
+    }
+
+    /// Calls `action` at each event that the description has under this name, in the direction that stands there:
+    /// `event(apogee = position.dot(&momentum), falling)`. An [`Occurrence`] that [stops](Occurrence::stop) ends the run.
+    ///
+    /// ```
+    /// use coadjoint::Run;
+    /// use coadjoint::prelude::*;
+    ///
+    /// /// A planet.
+    /// #[lie_poisson_system(
+    ///     group = R3,
+    ///     potential = -mass * strength / position.norm(),
+    ///     event(apogee = position.dot(&momentum), falling),
+    ///     taylor,
+    /// )]
+    /// struct Planet {
+    ///     #[inertia]
+    ///     mass: f64,
+    ///     strength: f64,
+    /// }
+    ///
+    /// let planet = Planet { mass: 1.0, strength: 1.0 };
+    /// // an ellipse of eccentricity 1/2, from where it is nearest
+    /// let mut state = PlanetState { position: vector![0.5, 0.0, 0.0], momentum: vector![0.0, 3_f64.sqrt(), 0.0] };
+    /// let (mut trajectory, mut apogees) = (planet.adaptive(1e-12)?, Vec::new());
+    /// Run::new(&mut trajectory, &mut state).on("apogee", |event| apogees.push(event.time())).to(20.0)?;
+    /// let half = std::f64::consts::PI;
+    /// assert!(apogees.len() == 3 && apogees.iter().zip([1.0, 3.0, 5.0]).all(|(time, k)| (time - k * half).abs() < 1e-10));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// With [Taylor steps](crate::taylor) its power series is known within the whole step: none of its zeros is missed. With others it is looked
+    /// for as a closure is. It sees the control of the step; where another one makes it jump from one sign to the other, it has its event there.
+    ///
+    /// The run ends before its first step, with an error, if the description has no such event.
+    pub fn on<F>(self, name: &str, action: F) -> Doing<'a, T, O, C, W, Watched<Described, F>>
+    where
+        F: FnMut(&mut Occurrence<'_, S>),
+    {
+        let events = self.stepper.system().events();
+        let place = events.iter().position(|(known, _)| *known == name);
+        let event = place.and_then(|place| events.get(place)).map_or(Event::any(), |(_, event)| *event);
+        self.doing(Watched::new(event, Described(place.unwrap_or(usize::MAX)), action))
     }
 
     /// As [`event`](Self::event), for a list of events, of which there are as many as the program finds out when it runs: each with its condition
@@ -432,10 +475,9 @@ where
         G: FnMut(&S::State, f64) -> f64,
         F: FnMut(&mut Occurrence<'_, S>),
     {
-        let numbered = (self.within.events()..).zip(events);
-        let watched = numbered
-            .map(|(number, (event, condition, action))| Watched::new(number, event, condition, action));
-        let watched = watched.collect();
+        let watched = events.into_iter();
+        let watched =
+            watched.map(|(event, condition, action)| Watched::new(event, condition, action)).collect();
         self.doing(watched)
     }
 

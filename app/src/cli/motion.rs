@@ -41,8 +41,8 @@ pub(crate) struct ChosenRun {
     pub(crate) until: Option<String>,
     /// Tell when a quantity is zero: `'upright = gamma_z, rising'`
     ///
-    /// `rising` and `falling` say in which direction it passes zero; without them every zero counts. Moments are located to rounding
-    /// within the steps, and told with the states there in a table that ends in `.events.csv`.
+    /// `rising` and `falling` say in which direction it passes zero; without them every zero counts. An event of the description is told by
+    /// its name alone: `--event apogee`. Moments are located to rounding within the steps, and told with the states there in a table that ends in `.events.csv`.
     #[arg(long, value_name = "EXPRESSION")]
     pub(crate) event: Vec<String>,
 }

@@ -1,6 +1,6 @@
 //! What is looked at within the steps of a run: times at which its state is written, and events.
 
-use coadjoint::Event;
+use coadjoint::{Event, erased};
 use serde::{Deserialize, Serialize};
 
 use super::{Job, observable};
@@ -104,15 +104,31 @@ pub(crate) struct WatchedEvent {
 }
 
 impl WatchedEvent {
-    /// Reads `EXPRESSION`, `NAME = EXPRESSION`, either with `, rising` or `, falling` behind it.
+    /// Reads `EXPRESSION`, `NAME = EXPRESSION`, or the name of an event of the description, each with `, rising` or `, falling` behind it.
     fn parse(entry: &Entry, text: &str) -> Result<Self, SetupError> {
-        let directions = [("rising", Event::rising()), ("falling", Event::falling()), ("any", Event::any())];
+        let directions = [
+            ("rising", Event::rising()),
+            ("falling", Event::falling()),
+            ("any", Event::any()),
+            ("both", Event::any()),
+        ];
         let behind = text.rsplit_once(',').and_then(|(before, word)| {
             let known = directions.iter().find(|(name, _)| *name == word.trim());
             known.map(|(_, event)| (before, *event))
         });
-        let (body, event) = behind.unwrap_or((text, Event::any()));
-        Ok(Self { quantity: observable(entry, body)?, event })
+        let body = behind.map_or(text, |(body, _)| body);
+        let direction = behind.map(|(_, event)| event);
+        let described = entry.description.events.iter().enumerate();
+        if let Some((place, (name, event))) =
+            described.into_iter().find(|(_, (name, _))| *name == body.trim())
+        {
+            let of = move |system: &dyn erased::System, state: &[f64], time: f64, control: &[f64]| {
+                system.event(place, state, time, control)
+            };
+            let quantity = Observable::new(name, String::new(), of);
+            return Ok(Self { quantity, event: direction.unwrap_or(*event) });
+        }
+        Ok(Self { quantity: observable(entry, body)?, event: direction.unwrap_or(Event::any()) })
     }
 
     /// Its name.

@@ -9,7 +9,7 @@ use crate::language;
 use crate::method::linearization::Linearization;
 use crate::method::taylor::taylor;
 use crate::method::{Iteration, Step};
-use crate::model::{Energy, InertiaField, InertiaShape, Part, Place, Relation, System};
+use crate::model::{Energy, Event, InertiaField, InertiaShape, Part, Place, Relation, System};
 use crate::program::{
     Constant, Documentation, Element, Inertia, Input, Interface, Module, Program, Quantity, StepProgram,
     SystemRole, TaylorProgram, Transform,
@@ -19,7 +19,12 @@ use crate::scheme::{Derivatives, Scheme};
 
 /// Derives a system's program, but for its steps. Its states are displaced along these retractions.
 pub(crate) fn program<'a>(arena: &'a Arena, system: &System<'a>, retractions: &[Retraction]) -> Program {
-    let functions = [energies(arena, system), inertias(arena, system), geometry(arena, system, retractions)];
+    let functions = [
+        energies(arena, system),
+        inertias(arena, system),
+        geometry(arena, system, retractions),
+        events(arena, system),
+    ];
     Program {
         interface: interface(system),
         functions: functions.into_iter().flatten().collect(),
@@ -68,6 +73,7 @@ fn interface(system: &System<'_>) -> Interface {
         state: in_a_row(system.parts().iter().map(quantity)),
         controls: in_a_row(system.controls.iter().map(quantity)),
         inertias: system.inertias.iter().map(inertia).collect(),
+        events: system.events.iter().map(|event| (event.name.clone(), event.direction)).collect(),
         casimirs: system.casimirs().found.iter().map(|(name, _)| name.clone()).collect(),
         missing_casimirs: system.casimirs().missing,
         dimension: system.dimension(),
@@ -218,6 +224,15 @@ fn function<'a>(
     });
     let inputs = needed.fold(inputs.clone(), |all, (input, symbols)| all.with(input, symbols));
     kernel::function(arena, role, value, inputs)
+}
+
+/// The quantities that may become zero.
+fn events<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module<SystemRole>> {
+    let event = |(place, event): (usize, &Event<'a>)| {
+        let inputs = at_state(system).with(Input::Time, system.time_symbol());
+        function(arena, system, SystemRole::Event(place), &Vector(vec![event.value]), inputs)
+    };
+    system.events.iter().enumerate().map(event).collect()
 }
 
 /// The pivots, which are positive where inertias are definite.

@@ -22,6 +22,11 @@ impl Arena {
         self.expr(self.new_symbol(SymbolInfo { name: name.into(), stage }))
     }
 
+    /// A symbol that there is.
+    pub fn of_symbol(&self, symbol: Symbol) -> Expr<'_> {
+        self.expr(self.intern(Node::Symbol(symbol)))
+    }
+
     /// A constant.
     pub fn number(&self, number: impl Into<Number>) -> Expr<'_> {
         self.expr(self.intern(Node::Number(number.into())))

@@ -47,14 +47,16 @@ pub struct Recurrences<'a> {
     pub operands: [Vector<'a>; 2],
     /// The coefficients of the changes of order 0, and of order `k`.
     pub change: [Vector<'a>; 2],
+    /// Those of what else there is a series of.
+    pub outputs: [Vector<'a>; 2],
 }
 
 /// More lanes than a system has whose functions have closed recurrences.
 const MOST_LANES: usize = 2_000;
 
 impl<'a> Recurrences<'a> {
-    /// Those of a differential equation. None where a function has no closed recurrence.
-    pub fn new(arena: &'a Arena, unknowns: &[Unknown<'a>]) -> Option<Self> {
+    /// Those of a differential equation, and of functions of its unknowns. None where a function has no closed recurrence.
+    pub fn new(arena: &'a Arena, unknowns: &[Unknown<'a>], outputs: &[Expr<'a>]) -> Option<Self> {
         let order = arena.symbol("order", Stage::Iteration);
         let named = |unknown: &Unknown<'a>| {
             let symbol = unknown.symbol.as_symbol()?;
@@ -81,11 +83,14 @@ impl<'a> Recurrences<'a> {
         let first = unknowns.iter().map(|unknown| all.first(unknown.change.id));
         let first = Vector(first.collect());
         let next: Option<Vec<_>> = unknowns.iter().map(|unknown| all.part(unknown.change.id)).collect();
+        let first_outputs = Vector(outputs.iter().map(|output| all.first(output.id)).collect());
+        let next_outputs: Option<Vec<_>> = outputs.iter().map(|output| all.part(output.id)).collect();
         while let Some((lane, slope)) = all.slopes.pop() {
             all.operands[1][lane] = all.part(slope)?;
         }
         let (sums, operands) = (Vector(all.sums), all.operands.map(Vector));
-        Some(Self { order, coefficients, sums, operands, change: [first, Vector(next?)] })
+        let (change, outputs) = ([first, Vector(next?)], [first_outputs, Vector(next_outputs?)]);
+        Some(Self { order, coefficients, sums, operands, change, outputs })
     }
 }
 

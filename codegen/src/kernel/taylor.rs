@@ -14,9 +14,10 @@ pub fn taylor<'a>(arena: &'a Arena, taylor: &Taylor<'a>, inputs: Inputs) -> Tayl
         .with(Input::Order, recurrences.order.as_symbol().into_iter().collect())
         .with(Input::End, taylor.end.symbols());
     let ([first, next], [left, right]) = (&recurrences.change, &recurrences.operands);
+    let [event, next_event] = &recurrences.outputs;
     let maps = [
-        (TaylorRole::Leading, vec![&taylor.start, first]),
-        (TaylorRole::Next, vec![next, left, right]),
+        (TaylorRole::Leading, vec![&taylor.start, first, event]),
+        (TaylorRole::Next, vec![next, left, right, next_event]),
         (TaylorRole::Finish, vec![&taylor.next]),
     ];
     let all: Vec<Expr<'a>> = maps.iter().flat_map(|(_, map)| map).flat_map(|vector| vector.iter()).collect();
@@ -30,7 +31,8 @@ pub fn taylor<'a>(arena: &'a Arena, taylor: &Taylor<'a>, inputs: Inputs) -> Tayl
     code.dag.eliminate_common_pairs();
     let placement = Homes::of_maps(&code.dag, &functions[1..], Stage::Iteration, RecordKind::Step);
     functions[0].record = Some(RecordKind::Step);
-    TaylorProgram { blocks: taylor.blocks.clone(), module: code.module(placement, functions) }
+    let (blocks, events) = (taylor.blocks.clone(), taylor.events.clone());
+    TaylorProgram { blocks, controls: taylor.controls, events, module: code.module(placement, functions) }
 }
 
 impl Results for TaylorRole {

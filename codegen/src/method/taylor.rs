@@ -29,6 +29,10 @@ pub struct Taylor<'a> {
     pub start: Vector<'a>,
     /// The lengths of the blocks of unknowns that have a unit in common.
     pub blocks: Vec<usize>,
+    /// Where the controls stand among the unknowns, if they have a part in the motion: held ones have no higher coefficients.
+    pub controls: Option<usize>,
+    /// The events whose series there are.
+    pub events: Vec<usize>,
     /// Stand for the unknowns at the end of the step.
     pub end: Vector<'a>,
     /// The state at the end of the step.
@@ -41,17 +45,26 @@ struct Unknowns<'a> {
     /// Stand for them at the end of the step.
     end: Vec<Expr<'a>>,
     blocks: Vec<usize>,
+    /// Where the controls stand.
+    controls: Option<usize>,
 }
 
 /// The series of a system's motion. None where a function in its description has no closed recurrence.
 pub fn taylor<'a>(arena: &'a Arena, system: &System<'a>) -> Option<Taylor<'a>> {
     let motion = Motion::new(arena, system);
-    let unknowns = motion.unknowns();
-    let recurrences = Recurrences::new(arena, &unknowns.all)?;
+    // an event without a series is looked for among states
+    let has_series = |event: &&(usize, Expr<'a>)| {
+        Recurrences::new(arena, &motion.unknowns(&[event.1]).all, &[event.1]).is_some()
+    };
+    let (events, values): (Vec<usize>, Vec<Expr<'a>>) =
+        motion.events.iter().filter(has_series).copied().unzip();
+    let unknowns = motion.unknowns(&values);
+    let recurrences = Recurrences::new(arena, &unknowns.all, &values)?;
     let end = Vector(unknowns.end.clone());
     let next = motion.next(&unknowns);
     let start = Vector(unknowns.all.iter().map(|unknown| unknown.start).collect());
-    Some(Taylor { recurrences, start, blocks: unknowns.blocks, end, next })
+    let Unknowns { blocks, controls, .. } = unknowns;
+    Some(Taylor { recurrences, start, blocks, controls, events, end, next })
 }
 
 /// A motion in the unknowns of its series.
@@ -69,6 +82,8 @@ struct Motion<'s, 'a> {
     translation_changes: Vec<Vector<'a>>,
     moving_change: Vector<'a>,
     advected_changes: Vec<Vector<'a>>,
+    /// The events that are smooth, with their places.
+    events: Vec<(usize, Expr<'a>)>,
 }
 
 impl<'s, 'a> Motion<'s, 'a> {
@@ -121,6 +136,11 @@ impl<'s, 'a> Motion<'s, 'a> {
                 translations.push(translation);
             }
         }
+        let changing = [system.state_symbols(), system.velocity_symbols().symbols(), system.time_symbol()];
+        let is_smooth = |value: &Vector<'a>| !system.is_piecewise() && !value.chooses_by(&changing.concat());
+        let events = system.events.iter().map(|event| Vector(vec![event.value])).enumerate();
+        let events = events.filter(|(_, value)| is_smooth(value));
+        let events = events.map(|(place, value)| (place, there(&value).0[0])).collect();
         let (moving, change) = match system.energy {
             Energy::Lagrangian(_) => (system.velocity_symbols(), &field.acceleration),
             _ => (system.momentum(), &field.momentum),
@@ -135,6 +155,7 @@ impl<'s, 'a> Motion<'s, 'a> {
             moving,
             moving_change: there(change),
             advected_changes: field.advected.iter().map(there).collect(),
+            events,
         }
     }
 
@@ -144,8 +165,9 @@ impl<'s, 'a> Motion<'s, 'a> {
     }
 
     /// What needs a series: the element of the group and its translations, the momentum where it does not follow from
-    /// them, advected parameters that the group does not carry in closed form, and whatever the series of these need.
-    fn unknowns(&self) -> Unknowns<'a> {
+    /// them, advected parameters that the group does not carry in closed form, and whatever the series of these, and of
+    /// these events, need.
+    fn unknowns(&self, events: &[Expr<'a>]) -> Unknowns<'a> {
         let Self { arena, system, .. } = self;
         let identity = self.identity();
         let mut candidates: Vec<(Vector<'a>, Vector<'a>, Vector<'a>, bool)> = Vec::new();
@@ -178,11 +200,24 @@ impl<'s, 'a> Motion<'s, 'a> {
             && system.potential().depends_on(&system.time_symbol());
         candidates.push((time.clone(), time, Vector(vec![arena.one()]), is_timed));
 
+        // the momentum at the end may depend on them, too
+        let is_controlled = matches!(system.energy, Energy::Lagrangian(_))
+            && system.potential().depends_on(&system.control_symbols());
+        let first_control = candidates.len();
+        for part in &system.controls {
+            let symbols = Vector(part.symbols.iter().map(|&symbol| arena.of_symbol(symbol)).collect());
+            let held = Vector::zeros(arena, symbols.len());
+            candidates.push((symbols.clone(), symbols, held, is_controlled));
+        }
+
         let mut needed: BTreeSet<usize> =
             candidates.iter().enumerate().filter(|(_, one)| one.3).map(|(place, _)| place).collect();
         loop {
             let used = |symbols: &Vector<'a>| {
-                needed.iter().any(|&place| candidates[place].2.depends_on(&symbols.symbols()))
+                let symbols = symbols.symbols();
+                let of_event = |event: &Expr<'a>| event.depends_on(&symbols);
+                needed.iter().any(|&place| candidates[place].2.depends_on(&symbols))
+                    || events.iter().any(of_event)
             };
             let more: Vec<usize> = (0..candidates.len())
                 .filter(|place| !needed.contains(place) && used(&candidates[*place].0))
@@ -192,8 +227,14 @@ impl<'s, 'a> Motion<'s, 'a> {
             }
             needed.extend(more);
         }
-        let mut unknowns = Unknowns { all: Vec::new(), end: Vec::new(), blocks: Vec::new() };
+        if needed.iter().any(|&place| place >= first_control) {
+            needed.extend(first_control..candidates.len());
+        }
+        let mut unknowns = Unknowns { all: Vec::new(), end: Vec::new(), blocks: Vec::new(), controls: None };
         for place in needed {
+            if place == first_control {
+                unknowns.controls = Some(unknowns.all.len());
+            }
             let (symbols, starts, changes, _) = &candidates[place];
             unknowns.blocks.push(symbols.len());
             for ((symbol, start), change) in symbols.iter().zip(starts.iter()).zip(changes.iter()) {
@@ -267,7 +308,8 @@ impl<'s, 'a> Motion<'s, 'a> {
             for (symbols, value) in system.advected_values().iter().zip(&advected) {
                 bind(&mut there, symbols, value);
             }
-            let others = [&self.moving, &Vector(vec![system.time])];
+            let controls = system.control_symbols().into_iter().map(|symbol| self.arena.of_symbol(symbol));
+            let others = [&self.moving, &Vector(vec![system.time]), &Vector(controls.collect())];
             for symbols in others {
                 bind(&mut there, symbols, &at_end(symbols));
             }

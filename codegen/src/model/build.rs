@@ -5,8 +5,8 @@ use std::cell::OnceCell;
 use std::ops::Range;
 
 use super::{
-    Advected, Energy, EnergyKey, EnergySource, Factor, ForceSource, InertiaField, InertiaShape, Name, Part,
-    Sources, System,
+    Advected, Energy, EnergyKey, EnergySource, Event, EventSource, Factor, ForceSource, InertiaField,
+    InertiaShape, Name, Part, Sources, System,
 };
 use crate::check::{self, Description, Factors};
 use crate::diagnostics::Diagnostics;
@@ -14,7 +14,7 @@ use crate::expr::{Arena, Expr, Matrix, Stage, Symbol, Vector};
 use crate::group::{Group, Product, Semidirect, consecutive, part_name};
 use crate::identifiers::{plain, velocity_name};
 use crate::language::{Scope, Value, by_index, lower_forces, lower_scalar};
-use crate::parse::{Control, Unit};
+use crate::parse::{self, Control, Unit};
 use crate::quantity::{Kind, Role, Shape, Side};
 
 impl<'a> System<'a> {
@@ -54,6 +54,7 @@ impl<'a> System<'a> {
         let mut sources = Sources::default();
         let energies = builder.energies(&mut sources);
         builder.forces(&group, &mut factors, &mut sources);
+        let events = builder.events(&mut sources);
         let inertias = inertias(description, &factors, (&parameters, &values));
         let of = |key: EnergyKey| energies.iter().find(|(known, _)| *known == key).map(|&(_, energy)| energy);
         let energy = match (of(EnergyKey::Hamiltonian), of(EnergyKey::Lagrangian)) {
@@ -79,6 +80,7 @@ impl<'a> System<'a> {
             side: if description.attribute.right { Side::Right } else { Side::Left },
             energy,
             inertias,
+            events,
             sources,
             units,
             advected,
@@ -305,6 +307,19 @@ impl<'a> Builder<'_, 'a> {
                 factor.force = Some(value.unwrap_or_else(|| Vector::zeros(arena, factor.momentum.len())));
             }
         }
+    }
+
+    /// The events; zero for one that has no meaning.
+    fn events(&mut self, sources: &mut Sources) -> Vec<Event<'a>> {
+        let (arena, description) = (self.arena, self.description);
+        let lower = |declared: &parse::Event| {
+            let (name, value) = (plain(&declared.name), by_index(&declared.value, &self.coordinates));
+            let lowered = lower_scalar("an event", &value, &mut self.scope, arena, self.diagnostics);
+            sources.events.push(EventSource { name: name.clone(), value, has_meaning: lowered.is_some() });
+            let value = lowered.map_or_else(|| arena.zero(), Expr::with_limits);
+            Event { name, value, direction: declared.direction }
+        };
+        description.attribute.events.iter().map(lower).collect()
     }
 
     /// Warns of fields and controls that nothing depends on.

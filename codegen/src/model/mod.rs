@@ -23,7 +23,7 @@ use crate::group::{Product, SemidirectVector, Side};
 use crate::identifiers::velocity_name;
 use crate::language::Constant;
 pub use crate::parse::EnergyKey;
-use crate::quantity::ScalarType;
+use crate::quantity::{Direction, ScalarType};
 
 /// A mechanical system on the cotangent bundle of a product of groups, reduced where its Hamiltonian is left-invariant.
 ///
@@ -53,6 +53,8 @@ pub struct System<'a> {
     pub energy: Energy<'a>,
     /// The fields marked as inertia, which a Hamiltonian or a Lagrangian uses as it likes.
     pub inertias: Vec<InertiaField<'a>>,
+    /// The quantities that may become zero.
+    pub events: Vec<Event<'a>>,
     /// The user's expressions.
     pub sources: Sources,
     /// The units of the state, by the names of its fields.
@@ -102,6 +104,17 @@ pub struct Advected<'a> {
     pub value: Vector<'a>,
 }
 
+/// A quantity that may become zero.
+#[derive(Clone)]
+pub struct Event<'a> {
+    /// Its name.
+    pub name: String,
+    /// The quantity, in all that a description names.
+    pub value: Expr<'a>,
+    /// Which of its zeros count.
+    pub direction: Direction,
+}
+
 /// The energy, as it was described: a function of configuration, advected parameters, time, and of momentum or
 /// velocity.
 #[derive(Clone)]
@@ -126,6 +139,8 @@ pub struct Sources {
     pub energies: Vec<EnergySource>,
     /// The forces.
     pub forces: Vec<ForceSource>,
+    /// The events.
+    pub events: Vec<EventSource>,
 }
 
 /// An energy as the user wrote it.
@@ -148,6 +163,17 @@ pub struct ForceSource {
     pub value: syn::Expr,
     /// How it is written; `None` if it has no meaning, which was reported.
     pub form: Option<ForceForm>,
+}
+
+/// An event as the user wrote it.
+#[derive(Clone)]
+pub struct EventSource {
+    /// Its name.
+    pub name: String,
+    /// The expression.
+    pub value: syn::Expr,
+    /// Whether it has a meaning; if not, that was reported.
+    pub has_meaning: bool,
 }
 
 /// A field marked `#[inertia]`, or an element of one.

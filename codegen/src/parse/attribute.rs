@@ -18,7 +18,7 @@ use super::shape;
 use crate::diagnostics::{Diagnostics, Explained, list, nearest, suggestion};
 use crate::group::Retraction;
 use crate::limits;
-use crate::quantity::{ScalarType, Shape};
+use crate::quantity::{Direction, ScalarType, Shape};
 use crate::scheme::{Derivatives, Member, Method, Rule};
 
 /// What the attribute says. Problems were reported where they were found, and what they concern is left out.
@@ -34,6 +34,8 @@ pub struct Attribute {
     pub controls: Vec<Control>,
     /// `force = …` or `force(attitude = …, …)`
     pub forces: Vec<Force>,
+    /// `event(apogee = …, falling)`
+    pub events: Vec<Event>,
     /// `invariance = right`
     pub right: bool,
     /// `methods(Midpoint, …)`
@@ -129,6 +131,17 @@ pub struct Force {
     pub value: syn::Expr,
 }
 
+/// A quantity that may become zero.
+#[derive(Debug)]
+pub struct Event {
+    /// The user's name for it.
+    pub name: Ident,
+    /// The quantity.
+    pub value: syn::Expr,
+    /// Which of its zeros count.
+    pub direction: Direction,
+}
+
 impl Attribute {
     /// Reads the tokens between the parentheses of the attribute. `known` are the methods that there are.
     pub fn parse(tokens: TokenStream, known: &[&'static Method], diagnostics: &mut Diagnostics) -> Self {
@@ -219,6 +232,7 @@ impl Attribute {
             }
             Key::Control => self.controls = reader.entries(input, control, |it| Some(&it.name))?,
             Key::Force => self.forces = reader.forces(input)?,
+            Key::Event => self.events = reader.entries(input, event, |it| Some(&it.name))?,
             Key::Invariance => self.right = reader.invariance(input)?,
             Key::Methods => self.methods = reader.methods(input, methods)?,
             Key::Retractions => self.retractions = reader.retractions(input)?,
@@ -473,6 +487,37 @@ fn force(input: ParseStream<'_>) -> syn::Result<Force> {
     let factor: FactorName = input.parse()?;
     input.parse::<Token![=]>().explained(message)?;
     Ok(Force { factor: Some(factor), value: input.parse()? })
+}
+
+/// `apogee = position.dot(&momentum), falling`
+fn event(input: ParseStream<'_>) -> syn::Result<Event> {
+    let example = Key::Event.example();
+    if !input.peek(Ident) {
+        let message = format!("expected a name, `=` and a quantity; write `{example}`");
+        return Err(input.error("")).explained(message);
+    }
+    let name: Ident = input.parse()?;
+    if !input.peek(Token![=]) {
+        let guess = match nearest(&name.to_string(), &Direction::ALL.map(Direction::name)) {
+            Some(guess) => format!("did you mean `{guess}`?"),
+            None => format!("write `{example}`"),
+        };
+        return Err(syn::Error::new_spanned(&name, format!("`{name}` has no quantity; {guess}")));
+    }
+    input.parse::<Token![=]>()?;
+    let value = input.parse()?;
+    let ahead = input.fork();
+    let mut direction = Direction::Both;
+    // a word behind a comma, which is no name of the next event
+    if ahead.parse::<Token![,]>().is_ok()
+        && let Ok(word) = ahead.parse::<Ident>()
+        && !ahead.peek(Token![=])
+        && let Some(known) = Direction::ALL.into_iter().find(|direction| word == direction.name())
+    {
+        direction = known;
+        input.advance_to(&ahead);
+    }
+    Ok(Event { name, value, direction })
 }
 
 /// `momentum = "N m s"`

@@ -13,6 +13,8 @@ pub enum Key {
     Control,
     /// The forces on the momentum.
     Force,
+    /// The events: quantities that may become zero.
+    Event,
     /// On which side the group acts.
     Invariance,
     /// The methods to generate steps by, beside those that are always there.
@@ -94,6 +96,7 @@ impl Key {
         let rest = [
             Self::Control,
             Self::Force,
+            Self::Event,
             Self::Invariance,
             Self::Methods,
             Self::Retractions,
@@ -114,6 +117,7 @@ impl Key {
             Self::Energy(key) => (key.row().name, key.row().example),
             Self::Control => ("control", "control(moment: R3, thrust: f64)"),
             Self::Force => ("force", "force = moment - friction * momentum"),
+            Self::Event => ("event", "event(apogee = position.dot(&momentum), falling)"),
             Self::Invariance => ("invariance", "invariance = right"),
             Self::Methods => ("methods", "methods(Midpoint)"),
             Self::Retractions => ("retractions", "retractions(Cayley)"),

@@ -9,7 +9,7 @@ mod key;
 mod nesting;
 mod shape;
 
-pub use attribute::{Advected, Attribute, Control, Definition, Factor, Force, Unit};
+pub use attribute::{Advected, Attribute, Control, Definition, Event, Factor, Force, Unit};
 pub use factor::{FactorName, Index};
 pub use function::{OF_NUMBERS, OwnFunction, calls, seen_from};
 pub(crate) use group::group;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::quantity::{Kind, Role, ScalarType, Side};
+use crate::quantity::{Direction, Kind, Role, ScalarType, Side};
 
 /// The data that go in and out of a system's functions, and what is known of it.
 #[derive(Clone, Debug)]
@@ -23,6 +23,8 @@ pub struct Interface {
     pub controls: Vec<Quantity>,
     /// The parameters that are inertias.
     pub inertias: Vec<Inertia>,
+    /// The events: their names, and which zeros count.
+    pub events: Vec<(String, Direction)>,
     /// The Casimirs' names.
     pub casimirs: Vec<String>,
     /// How many more there are that have no name: of a high degree, or no polynomials.

@@ -68,6 +68,10 @@ pub struct Program {
 pub struct TaylorProgram {
     /// The lengths of the blocks of what has a series that have a unit in common.
     pub blocks: Vec<usize>,
+    /// Where the controls stand among what has a series, if they have a part in the motion.
+    pub controls: Option<usize>,
+    /// The events whose series there are.
+    pub events: Vec<usize>,
     /// Its functions.
     pub module: Module<TaylorRole>,
 }

@@ -118,6 +118,8 @@ pub enum SystemRole {
     Conserved,
     /// The state whose constant momentum is given. There where nothing acts on the system.
     WithConserved,
+    /// What is zero at an event, by its place among them.
+    Event(usize),
 }
 
 const CONSTANTS: Input = Input::Record(RecordKind::Constants);
@@ -217,12 +219,13 @@ impl FunctionRole for SystemRole {
             Self::Conserved => row("conserved", &[Parameters, State], &[], "The constant momentum"),
             Self::WithConserved => row("with_conserved", &[Parameters, State, Conserved], &[],
                 "The state with this constant momentum"),
+            Self::Event(_) => row("event", &[Parameters, State, Time, Control, Velocity], &[], "What is zero at an event"),
         }
     }
 
     fn name(self) -> String {
         let name = self.signature().name;
-        if let Self::Pivots(place) = self {
+        if let Self::Pivots(place) | Self::Event(place) = self {
             return format!("{name}_{place}");
         }
         if let Self::Displacement(retraction) = self {

@@ -153,6 +153,26 @@ pub struct Pendulum {
     assert_snapshot("pendulum_taylor", &beside(input, &pretty(expansion(input).taylor)));
 }
 
+/// An event of a motion with a series of its own, and one without.
+#[test]
+fn the_events_of_a_point() {
+    let input = "\
+#[lie_poisson_system(
+    group(position: R1),
+    control(push: f64),
+    force = push,
+    event(turn = position_velocity.x, rising, high = position.x.sin() - level * t, near = position.x.abs() - level),
+    taylor,
+)]
+pub struct Point {
+    #[inertia]
+    mass: f64,
+    level: f64,
+}";
+    let Expansion { expressions, system, taylor, .. } = expansion(input);
+    assert_snapshot("point_events", &beside(input, &pretty(quote! { #expressions #system #taylor })));
+}
+
 /// Arrays of factors, fields and controls, forces as parts, advected parameters of two kinds, coordinates of the second kind: what users see.
 #[test]
 fn two_carts_and_a_lamp() {

@@ -53,6 +53,7 @@ described! { PENDULUM:
             kinetic + mass * GRAVITY * (2.0 * first.cos_angle() + second.cos_angle())
         },
         force(first = motor - friction * first_velocity),
+        event(hangs = second.sin_angle(), rises = first_velocity.x, rising),
         derivatives,
         taylor,
     )]
@@ -166,6 +167,28 @@ fn same_series(typed: Arc<dyn EnsembleSystem>, text: &str, (state, control): (&[
     assert_eq!(ends[0], ends[1]);
 }
 
+/// Taylor steps with an input that is a function of time, and the events on the way.
+#[test]
+fn taylor_steps_that_are_driven() {
+    let model = Model::from_text(PENDULUM).unwrap();
+    let systems: [Arc<dyn System>; 2] =
+        [Arc::new(Pendulum { mass: 0.7, friction: 0.2 }), Arc::new(model.system(&[0.7, 0.2]))];
+    let start = [1.0, 0.0, 0.3, 0.96_f64.cos(), 0.96_f64.sin(), -0.4];
+    let ways = systems.map(|system| {
+        let mut trajectory = erased::Adaptive::new(system, 1e-10).unwrap();
+        let (mut state, mut passes, mut rises) = (start.to_vec(), Vec::new(), Vec::new());
+        Run::new(&mut trajectory, &mut state)
+            .driven_by(|t| vec![(3.0 * t).sin()])
+            .on("hangs", |event| passes.push(event.time()))
+            .on("rises", |event| rises.push(event.time()))
+            .to(6.0)
+            .unwrap();
+        assert!(passes.len() > 3 && rises.len() > 1, "{passes:?} {rises:?}");
+        (state, passes, rises)
+    });
+    assert_eq!(ways[0], ways[1]);
+}
+
 #[test]
 fn taylor_steps() {
     let top = HeavyTop { inertia: vector![1.0, 10.0, 100.0], weight: 1.0, chi: vector![0.3, 0.2, 1.0] };
@@ -192,7 +215,7 @@ fn derivatives_of_one_step() {
     assert!((jacobian.control[(1, 0)] - 0.01).abs() < 1e-4, "{}", jacobian.control);
     assert!(jacobian.parameters[(1, 0)].abs() > 1e-3);
     // of what the description does not ask for there are none
-    let body = Model::from_text(&PENDULUM.replace(", derivatives", "")).unwrap();
+    let body = Model::from_text(&PENDULUM.replace("derivatives,", "")).unwrap();
     let body = Arc::new(body.system(&[0.7, 0.2]));
     let mut stepper = erased::Stepper::new(body, &"Cayley".parse().unwrap(), 0.01).unwrap();
     let error = stepper.step_with_jacobian(&mut state.clone(), &[1.5]).unwrap_err();

@@ -12,6 +12,7 @@ use crate::error::{ParameterError, StepError};
 use crate::flat::{NotGenerated, array, copy};
 use crate::stepper::report::{RunError, RunReport};
 use crate::stepper::{Inputs, StepReport, Stepping};
+use crate::system::series::Coefficients;
 use crate::system::{self, Control, State};
 use crate::taylor::{self, PowerSeries, SeriesVisitor};
 
@@ -61,8 +62,21 @@ pub trait TaylorSteps: Send + Sync {
         &self,
         state: &mut [f64],
         from: (f64, f64),
-        control: &[f64],
+        input: Inputs<'_, Vec<f64>>,
     ) -> Result<StepReport, StepError>;
+    fn step_driven(
+        &mut self,
+        state: &mut [f64],
+        input: &mut dyn FnMut(f64) -> Vec<f64>,
+    ) -> Result<StepReport, StepError>;
+    fn event_series(
+        &self,
+        event: usize,
+        state: &[f64],
+        from: (f64, f64),
+        control: &[f64],
+        coefficients: &mut Coefficients,
+    ) -> Option<usize>;
     fn snapshot(&self) -> Vec<f64>;
     fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError>;
     fn step_with(&mut self, state: &mut [f64], control: &[f64]) -> Result<f64, StepError>;
@@ -110,13 +124,46 @@ impl<S: PowerSeries<Scalar = f64> + Send + Sync> TaylorSteps for taylor::Adaptiv
         &self,
         state: &mut [f64],
         from: (f64, f64),
-        control: &[f64],
+        input: Inputs<'_, Vec<f64>>,
     ) -> Result<StepReport, StepError> {
         let mut next = S::State::from_components(&array(state));
-        let control = S::Control::from_components(&array(control));
-        let report = Stepping::step_beside(self, &mut next, from, Inputs::Held(&control))?;
+        let report = match input {
+            Inputs::Held(control) => {
+                let control = S::Control::from_components(&array(control));
+                Stepping::step_beside(self, &mut next, from, Inputs::Held(&control))
+            }
+            Inputs::Driven(input) => {
+                let mut input = |time: f64| S::Control::from_components(&array(&input(time)));
+                Stepping::step_beside(self, &mut next, from, Inputs::Driven(&mut input))
+            }
+        }?;
         copy(state, next.to_components().as_ref());
         Ok(report)
+    }
+
+    fn step_driven(
+        &mut self,
+        state: &mut [f64],
+        input: &mut dyn FnMut(f64) -> Vec<f64>,
+    ) -> Result<StepReport, StepError> {
+        let mut next = S::State::from_components(&array(state));
+        let mut input = |time: f64| S::Control::from_components(&array(&input(time)));
+        let report = Stepping::step_driven(self, &mut next, &mut input)?;
+        copy(state, next.to_components().as_ref());
+        Ok(report)
+    }
+
+    fn event_series(
+        &self,
+        event: usize,
+        state: &[f64],
+        from: (f64, f64),
+        control: &[f64],
+        coefficients: &mut Coefficients,
+    ) -> Option<usize> {
+        let state = S::State::from_components(&array(state));
+        let control = S::Control::from_components(&array(control));
+        Stepping::event_series(self, event, &state, from, Inputs::Held(&control), coefficients)
     }
 
     fn snapshot(&self) -> Vec<f64> {
@@ -262,10 +309,19 @@ impl Stepping for Adaptive {
         input: Inputs<'_, Vec<f64>>,
     ) -> Result<StepReport, StepError> {
         check_length(state, length(self.system.description().state))?;
-        match input {
-            Inputs::Held(control) => self.steps.step_beside(state, from, control),
-            Inputs::Driven(_) => Err(StepError::NotDriven),
-        }
+        self.steps.step_beside(state, from, input)
+    }
+
+    fn event_series(
+        &self,
+        event: usize,
+        state: &Vec<f64>,
+        from: (f64, f64),
+        input: Inputs<'_, Vec<f64>>,
+        coefficients: &mut Coefficients,
+    ) -> Option<usize> {
+        let Inputs::Held(control) = input else { return None };
+        self.steps.event_series(event, state, from, control, coefficients)
     }
 
     fn go_on_at(&mut self, time: f64, steps: u64) {
@@ -286,10 +342,11 @@ impl Stepping for Adaptive {
 
     fn step_driven(
         &mut self,
-        _: &mut Vec<f64>,
-        _: &mut dyn FnMut(f64) -> Vec<f64>,
+        state: &mut Vec<f64>,
+        input: &mut dyn FnMut(f64) -> Vec<f64>,
     ) -> Result<StepReport, StepError> {
-        Err(StepError::NotDriven)
+        check_length(state, length(self.system.description().state))?;
+        self.steps.step_driven(state, input)
     }
 
     fn steps_with(

@@ -10,6 +10,7 @@ use super::adaptive::{OfSeries, TaylorSteps};
 use super::composition::composed;
 use super::equation::{Equation, equation};
 use super::jacobian::{Linearization, OfDerivatives};
+use crate::crossing::Event;
 use crate::derivative::LinearizedSchemes;
 use crate::ensemble::members::{Builder, Member, Members};
 use crate::ensemble::{EnsembleError, Instructions};
@@ -68,6 +69,8 @@ pub trait Geometry {
     fn energy(&self, state: &[f64], time: f64, control: &[f64]) -> f64;
     /// [`System::casimirs`](crate::System::casimirs)
     fn casimirs(&self, state: &[f64]) -> Vec<f64>;
+    /// [`System::event_at`](crate::System::event_at)
+    fn event(&self, event: usize, state: &[f64], time: f64, control: &[f64]) -> f64;
     /// [`system::Geometry::displace`]
     fn displace(&self, state: &[f64], map: RetractionKind, by: &[f64]) -> Vec<f64>;
     /// [`system::Geometry::differential`]
@@ -132,6 +135,10 @@ impl<S: system::Geometry<Scalar = f64>> Geometry for S {
         system::System::casimirs(self, &state_of::<S>(state)).as_ref().to_vec()
     }
 
+    fn event(&self, event: usize, state: &[f64], time: f64, control: &[f64]) -> f64 {
+        self.event_at(event, &state_of::<S>(state), time, &control_of::<S>(control))
+    }
+
     fn displace(&self, state: &[f64], map: RetractionKind, by: &[f64]) -> Vec<f64> {
         let displaced = system::Geometry::displace(self, &state_of::<S>(state), map, &array(by));
         displaced.to_components().as_ref().to_vec()
@@ -153,7 +160,7 @@ impl<S: system::Geometry<Scalar = f64>> Geometry for S {
 /// [of a text](crate::guide::at_run_time), and nothing else can be.
 ///
 /// A `&dyn System` has, without an import, these calls on slices too, as [`system::System`] and [`system::Geometry`] have them on states:
-/// `description()`, `parameters()`, `validate()`, `deviation(state)`, `with_velocity(state, time, control)`, `energy(state, time, control)`, `casimirs(state)`, `displace(state, map, by)`,
+/// `description()`, `parameters()`, `validate()`, `deviation(state)`, `with_velocity(state, time, control)`, `energy(state, time, control)`, `casimirs(state)`, `event(place, state, time, control)`, `displace(state, map, by)`,
 /// `differential(state, time, control)`, `hamiltonian_vector(state, covector)`, `force(state, time, control)` and `motion(state, time, control)`; besides,
 /// `vector_field(state, time, control)`, the motion as the derivative of the stored numbers. Slices have the lengths of the system's arrays: what
 /// is missing counts as zero, what is too much does not count.
@@ -283,6 +290,14 @@ impl Dynamics for dyn System {
 
     fn no_control(&self) -> Vec<f64> {
         std::vec![0.0; length(self.description().controls)]
+    }
+
+    fn events(&self) -> &'static [(&'static str, Event)] {
+        self.description().events
+    }
+
+    fn event(&self, event: usize, state: &Vec<f64>, time: f64, control: &Vec<f64>) -> f64 {
+        Geometry::event(self, event, state, time, control)
     }
 }
 

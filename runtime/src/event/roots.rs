@@ -38,6 +38,8 @@ const MOST_INTERVALS: u32 = 4_000;
 const MOST_HALVINGS: u32 = 30;
 /// Where the first interval is cut: at none of the simple fractions at which polynomials like to be zero.
 const CUT: f64 = 0.483_7;
+/// An extremum that is smaller is near zero, relative to all terms.
+const NEAR: f64 = 1e-4;
 /// Farther apart two roots are two, and a complex root is none.
 const DOUBLE: f64 = 1e-5;
 
@@ -45,7 +47,13 @@ const DOUBLE: f64 = 1e-5;
 ///
 /// A double root is told as a [`Crossing::Touch`], also where the rounding of the coefficients has made two of it, or none. Roots of higher
 /// multiplicity are crossings or touches as their multiplicity is odd or even.
-pub(crate) fn roots(coefficients: &[f64], found: &mut impl FnMut(Root)) -> Answer {
+///
+/// Extrema that come near zero, and are no roots, are told as well, in the same order: of coefficients that are not exact they may be some.
+pub(crate) fn roots(
+    coefficients: &[f64],
+    found: &mut impl FnMut(Root),
+    near: &mut impl FnMut(f64),
+) -> Answer {
     let length = coefficients.iter().rposition(|x| *x != 0.0).map_or(0, |last| last + 1);
     let coefficients = coefficients.get(..length).unwrap_or_default();
     let largest =
@@ -80,7 +88,7 @@ pub(crate) fn roots(coefficients: &[f64], found: &mut impl FnMut(Root)) -> Answe
             let far = Point { at: 1.0, value: own.value(1.0) };
             found(own.crossing(Point { at: 0.0, value: first }, far));
         }
-        _ => is_sure = own.rising_and_falling(found),
+        _ => is_sure = own.rising_and_falling(found, near),
     }
     if is_sure { Answer::All } else { Answer::Unresolved }
 }
@@ -168,7 +176,7 @@ impl Polynomial {
     }
 
     /// Tells the roots, one between two extrema at most. Whether all were found.
-    fn rising_and_falling(&self, found: &mut impl FnMut(Root)) -> bool {
+    fn rising_and_falling(&self, found: &mut impl FnMut(Root), near: &mut impl FnMut(f64)) -> bool {
         let derivative = self.derivative();
         let mut before = Point { at: 0.0, value: self.at_zero() };
         let mut touch = None;
@@ -187,8 +195,12 @@ impl Polynomial {
         let is_sure = derivative.changes(&mut |at| {
             if at < 1.0 {
                 let value = self.value(at);
-                let value = if self.is_double(at, value) { 0.0 } else { value };
+                let size = self.size_at(at);
+                let value = if self.is_double(at, value, size) { 0.0 } else { value };
                 meet(Point { at, value }, found);
+                if value != 0.0 && value.abs() < NEAR * self.size {
+                    near(at);
+                }
             }
         });
         let end = Point { at: 1.0, value: self.value(1.0) };
@@ -207,16 +219,20 @@ impl Polynomial {
     }
 
     /// Whether an extremum with this value is a double root, but for what the coefficients were rounded by.
-    fn is_double(&self, at: f64, value: f64) -> bool {
-        let (mut size, mut second) = (0.0, 0.0);
+    fn is_double(&self, at: f64, value: f64, size: f64) -> bool {
+        let mut second = 0.0;
         for (power, x) in self.terms().iter().enumerate().rev() {
-            size = size * at + x.high.abs();
             if power >= 2 {
                 second = second * at + x.high * (power * (power - 1)) as f64;
             }
         }
         // half the distance of the two roots, real or not
         value.abs() <= 8.0 * f64::EPSILON * size && value.abs() <= 0.5 * DOUBLE * DOUBLE * second.abs()
+    }
+
+    /// The value without the signs of the coefficients.
+    fn size_at(&self, at: f64) -> f64 {
+        self.terms().iter().rev().fold(0.0, |sum, x| sum * at + x.high.abs())
     }
 
     /// Tells where the sign changes between 0 and 1, in order. Whether that is certain.
@@ -408,7 +424,7 @@ mod tests {
 
     fn found(coefficients: &[f64]) -> (Vec<Root>, Answer) {
         let mut all = Vec::new();
-        let answer = roots(coefficients, &mut |root| all.push(root));
+        let answer = roots(coefficients, &mut |root| all.push(root), &mut |_| {});
         (all, answer)
     }
 

@@ -3,14 +3,17 @@
 //! The quantity has a side, the sign that it had last, or none where it starts from zero. A zero is where it comes to the other side, or to zero from
 //! one: to start from zero is no event, to come back is.
 
+use core::cell::Cell;
+
 use super::roots::{Answer, roots};
 use super::search::{Function, Point, crossing, dip};
-use super::{Crossing, Event, MOST_POINTS};
+use super::{Crossing, Event};
+use crate::crossing::MOST_POINTS;
 use crate::error::StepError;
 use crate::scalar::Scalar;
 
 /// Points that are looked at within a step, with those that are found to be needed.
-const MOST: usize = MOST_POINTS as usize + 40;
+const MOST: usize = MOST_POINTS as usize + 192;
 /// Points within a step where there may be a zero, unless the caller says how many.
 const USUAL: u32 = 4;
 
@@ -22,6 +25,24 @@ pub(super) struct Zero {
     pub(super) crossing: Crossing,
     /// How large the quantity is there, for want of more digits.
     noise: f64,
+}
+
+/// Points within a step that are to be looked at, in order, and whether each is an extremum.
+#[derive(Clone, Copy)]
+struct Places {
+    all: [(f64, bool); MOST],
+    count: usize,
+    /// The last zero, or extremum near zero.
+    before: f64,
+}
+
+impl Places {
+    fn put(&mut self, at: f64, is_extremum: bool) {
+        if let Some(slot) = self.all.get_mut(self.count) {
+            *slot = (at, is_extremum);
+            self.count += 1;
+        }
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -77,6 +98,17 @@ impl Tracker {
         self.push(Point { at: 0.0, value: if self.side.is_none() && !value.is_nan() { 0.0 } else { value } });
     }
 
+    /// Goes on from another value than the one before, at the same moment: what has jumped from one sign to the other has its zero there.
+    pub(super) fn jump(&mut self, value: f64) {
+        if self
+            .points()
+            .last()
+            .is_some_and(|last| last.value != value && !(self.side.is_none() && last.value == 0.0))
+        {
+            self.push(Point { at: 0.0, value });
+        }
+    }
+
     /// Steps of another length begin.
     pub(super) fn forget(&mut self) {
         self.known = 0;
@@ -123,42 +155,52 @@ impl Tracker {
         self.push(Point { at, value });
     }
 
-    /// Looks at the points within a step, between whose start and end the quantity has this series, that tell its zeros: those between them, and
-    /// double ones. Nothing of it counts but where they are: values are those of the states.
+    /// Looks at the points within a part of a step that tell its zeros, where the quantity has this series: those between them, extrema that are
+    /// near zero, and where it ends. Nothing of the series counts but where they are: values are those of the states. Of a part
+    /// whose series says nothing, looks at some points.
     pub(super) fn see_series(
         &mut self,
         coefficients: &[f64],
+        (from, to): (f64, f64),
         function: &mut Function<'_, StepError>,
     ) -> Result<(), StepError> {
-        let (mut places, mut count, mut before) = ([0.0; MOST], 0, 0.0);
-        let mut put = |at: f64| {
-            if let Some(slot) = places.get_mut(count) {
-                *slot = at;
-                count += 1;
+        let places = Cell::new(Places { all: [(0.0, false); MOST], count: 0, before: 0.0 });
+        let meet = |at: f64, is_extremum: bool| {
+            let mut these = places.get();
+            these.put(0.5 * (these.before + at), false);
+            if is_extremum {
+                these.put(at, true);
             }
+            these.before = at;
+            places.set(these);
         };
-        let answer = roots(coefficients, &mut |root| {
-            put(0.5 * (before + root.at));
-            if root.crossing == Crossing::Touch {
-                put(root.at);
+        let answer = roots(
+            coefficients,
+            &mut |root| meet(root.at, root.crossing == Crossing::Touch),
+            &mut |extremum| meet(extremum, true),
+        );
+        let mut places = places.get();
+        match answer {
+            Answer::All if places.before == 0.0 => {}
+            Answer::All => places.put(0.5 * (places.before + 1.0), false),
+            Answer::Zero | Answer::Unknown | Answer::Unresolved => {
+                places.count = 0;
+                (1..=USUAL).for_each(|k| places.put(f64::from(k) / f64::from(USUAL + 1), false));
             }
-            before = root.at;
-        });
-        if before > 0.0 {
-            put(0.5 * (before + 1.0));
         }
-        if answer != Answer::All {
-            count = 0;
-            places.iter_mut().zip(1..=USUAL).for_each(|(place, k)| {
-                *place = f64::from(k) / f64::from(USUAL + 1);
-                count += 1;
-            });
-        }
-        let mut last = 0.0;
-        for &at in places.get(..count).unwrap_or_default() {
+        places.put(1.0, false);
+        let mut last = from;
+        for &(at, is_extremum) in places.all.get(..places.count).unwrap_or_default() {
+            let at = if at < 1.0 { from + at * (to - from) } else { to };
             if at > last && at < 1.0 {
-                let value = function(at)?;
-                self.insert(self.count.saturating_sub(1), Point { at, value });
+                let mut point = Point { at, value: function(at)? };
+                let largest =
+                    self.points().iter().fold(0.0_f64, |largest, other| largest.max(other.value.abs()));
+                if is_extremum && point.value.abs() < 1e-9 * largest {
+                    let by = 1e-3 * (to - from).min(at - last).min(1.0 - at);
+                    point = touched(function, point, by, 4.0 * f64::EPSILON * largest)?;
+                }
+                self.insert(self.count.saturating_sub(1), point);
                 last = at;
             }
         }
@@ -336,6 +378,33 @@ fn is_even(function: &mut Function<'_, StepError>, near: f64, far: f64) -> Resul
     let (twice, once) = (function(far - by)?, function(far - 0.5 * by)?);
     // of a simple one it is 2, of a double one 4, of a triple one 8
     Ok((2.83..5.66).contains(&(twice / once)))
+}
+
+/// An extremum that is near zero: the same, or one that is closer to it, as far as its place is not known so well; with the value 0 where that is
+/// zero but for rounding.
+fn touched(
+    function: &mut Function<'_, StepError>,
+    extremum: Point,
+    by: f64,
+    rounding: f64,
+) -> Result<Point, StepError> {
+    let noise = rounding + 2.0 * spread(function, extremum.at, extremum.at - by, extremum.at + by)?;
+    if extremum.value.abs() <= noise {
+        return Ok(Point { value: 0.0, ..extremum });
+    }
+    let sign = extremum.value.signum();
+    let [left, right] = [extremum.at - by, extremum.at + by];
+    let [left, right] = [(left, function(left)?), (right, function(right)?)]
+        .map(|(at, value)| Point { at, value: sign * value });
+    let middle = Point { value: sign * extremum.value, ..extremum };
+    if left.value <= middle.value || right.value <= middle.value {
+        return Ok(extremum);
+    }
+    let least = dip(&mut |at| function(at).map(|value| sign * value), left, middle, right)?;
+    Ok(least.map_or(extremum, |least| match least.value.abs() <= noise {
+        true => Point { value: 0.0, ..least },
+        false => Point { value: sign * least.value, ..least },
+    }))
 }
 
 /// How much values differ that are so close to each other that only their rounding differs.

@@ -5,9 +5,10 @@ use core::ops::ControlFlow;
 use super::tracker::Tracker;
 use super::{Event, Moment, Occurrence};
 use crate::error::StepError;
-use crate::interval::{Coefficients, Dense};
+use crate::interval::Dense;
 use crate::observe::Observer;
 use crate::system::Dynamics;
+use crate::system::series::Coefficients;
 use crate::tick::Tick;
 
 /// A function that is called at an event: [`Run::event`](crate::Run::event).
@@ -18,14 +19,18 @@ pub trait Within<S: Dynamics + ?Sized> {
 
     /// How many events are watched.
     fn events(&self) -> usize;
-    /// All start from a state that no step led to.
-    fn start(&mut self, state: &S::State, time: f64);
+    /// Whether the description has them all, as far as they are to be its own.
+    fn is_there(&self) -> bool {
+        true
+    }
+    /// The next step starts from a state that no step led to.
+    fn start(&mut self);
     /// Steps of another length begin.
     fn forget(&mut self);
     /// How many points within a step with this end have to be looked at.
     fn wanted(&mut self, dense: &mut dyn Dense<S>, state: &S::State, time: f64) -> u32;
     /// Sees a state within the step; or at its end, which was seen already.
-    fn see(&mut self, share: f64, state: &S::State, time: f64);
+    fn see(&mut self, share: f64, dense: &mut dyn Dense<S>, state: &S::State);
     /// Sees the end.
     fn see_end(&mut self);
     /// Looks for the first zero of each; or for the next one of those that have come.
@@ -57,12 +62,12 @@ impl<S: Dynamics + ?Sized> Within<S> for () {
     fn events(&self) -> usize {
         0
     }
-    fn start(&mut self, _: &S::State, _: f64) {}
+    fn start(&mut self) {}
     fn forget(&mut self) {}
     fn wanted(&mut self, _: &mut dyn Dense<S>, _: &S::State, _: f64) -> u32 {
         0
     }
-    fn see(&mut self, _: f64, _: &S::State, _: f64) {}
+    fn see(&mut self, _: f64, _: &mut dyn Dense<S>, _: &S::State) {}
     fn see_end(&mut self) {}
     fn seek(&mut self, _: &mut dyn Dense<S>, _: &mut S::State, _: bool) -> Result<(), StepError> {
         Ok(())
@@ -89,9 +94,12 @@ impl<S: Dynamics + ?Sized, A: Within<S>, B: Within<S>> Within<S> for (A, B) {
     fn events(&self) -> usize {
         self.0.events() + self.1.events()
     }
-    fn start(&mut self, state: &S::State, time: f64) {
-        self.0.start(state, time);
-        self.1.start(state, time);
+    fn is_there(&self) -> bool {
+        self.0.is_there() && self.1.is_there()
+    }
+    fn start(&mut self) {
+        self.0.start();
+        self.1.start();
     }
     fn forget(&mut self) {
         self.0.forget();
@@ -100,9 +108,9 @@ impl<S: Dynamics + ?Sized, A: Within<S>, B: Within<S>> Within<S> for (A, B) {
     fn wanted(&mut self, dense: &mut dyn Dense<S>, state: &S::State, time: f64) -> u32 {
         self.0.wanted(dense, state, time).max(self.1.wanted(dense, state, time))
     }
-    fn see(&mut self, share: f64, state: &S::State, time: f64) {
-        self.0.see(share, state, time);
-        self.1.see(share, state, time);
+    fn see(&mut self, share: f64, dense: &mut dyn Dense<S>, state: &S::State) {
+        self.0.see(share, dense, state);
+        self.1.see(share, dense, state);
     }
     fn see_end(&mut self) {
         self.0.see_end();
@@ -142,40 +150,104 @@ impl<S: Dynamics + ?Sized, A: Within<S>, B: Within<S>> Within<S> for (A, B) {
     }
 }
 
+/// What is watched: a quantity that is zero at an event.
+#[doc(hidden)]
+pub trait Condition<S: Dynamics + ?Sized> {
+    /// Its value in a state within a step.
+    fn value(&mut self, dense: &mut dyn Dense<S>, state: &S::State, time: f64) -> f64;
+    /// Writes its power series within a part of the step from a share on, as [`Dense::series`] does.
+    fn series(
+        &mut self,
+        _dense: &mut dyn Dense<S>,
+        _from: f64,
+        _coefficients: &mut Coefficients,
+    ) -> Option<(usize, f64)> {
+        None
+    }
+    /// Whether it may jump where a step ends.
+    const JUMPS: bool;
+    /// Whether there is one.
+    fn is_there(&self) -> bool {
+        true
+    }
+}
+
+impl<S: Dynamics + ?Sized, G: FnMut(&S::State, f64) -> f64> Condition<S> for G {
+    fn value(&mut self, _: &mut dyn Dense<S>, state: &S::State, time: f64) -> f64 {
+        self(state, time)
+    }
+
+    const JUMPS: bool = false;
+}
+
+/// An event of the description, by its place: [`Run::on`](crate::Run::on).
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug)]
+pub struct Described(pub(crate) usize);
+
+impl<S: Dynamics + ?Sized> Condition<S> for Described {
+    fn value(&mut self, dense: &mut dyn Dense<S>, state: &S::State, time: f64) -> f64 {
+        dense.event(self.0, state, time)
+    }
+
+    fn series(
+        &mut self,
+        dense: &mut dyn Dense<S>,
+        from: f64,
+        coefficients: &mut Coefficients,
+    ) -> Option<(usize, f64)> {
+        dense.series(self.0, from, coefficients)
+    }
+
+    // with the controls
+    const JUMPS: bool = true;
+
+    fn is_there(&self) -> bool {
+        self.0 != usize::MAX
+    }
+}
+
+/// A step has no more parts, each with a power series.
+const MOST_PARTS: u32 = 128;
+
 /// An event that is watched: [`Run::event`](crate::Run::event).
 #[doc(hidden)]
 pub struct Watched<G, F> {
     tracker: Tracker,
     condition: G,
     action: F,
+    /// Whether the step that comes starts from a state that no step led to.
+    is_fresh: bool,
     /// The value at the end of the step.
     end: f64,
-    /// Its number, in the order in which events were added.
-    number: usize,
-    /// The series of the condition within the step, so far as it is known.
+    /// The series of the condition within a part of the step, if it is known: how many coefficients there are, and where the part ends.
     series: Coefficients,
-    length: Option<usize>,
+    known: Option<(usize, f64)>,
 }
 
 impl<G, F> Watched<G, F> {
-    pub(crate) fn new(number: usize, event: Event, condition: G, action: F) -> Self {
+    pub(crate) fn new(event: Event, condition: G, action: F) -> Self {
         let (tracker, series) = (Tracker::new(event), [0.0; 33]);
-        Self { tracker, condition, action, end: f64::NAN, number, series, length: None }
+        Self { tracker, condition, action, is_fresh: true, end: f64::NAN, series, known: None }
     }
 }
 
 impl<S, G, F> Within<S> for Watched<G, F>
 where
     S: Dynamics + ?Sized,
-    G: FnMut(&S::State, f64) -> f64,
+    G: Condition<S>,
     F: FnMut(&mut Occurrence<'_, S>),
 {
     fn events(&self) -> usize {
         1
     }
 
-    fn start(&mut self, state: &S::State, time: f64) {
-        self.tracker.start((self.condition)(state, time));
+    fn is_there(&self) -> bool {
+        self.condition.is_there()
+    }
+
+    fn start(&mut self) {
+        self.is_fresh = true;
     }
 
     fn forget(&mut self) {
@@ -183,16 +255,26 @@ where
     }
 
     fn wanted(&mut self, dense: &mut dyn Dense<S>, state: &S::State, time: f64) -> u32 {
-        self.end = (self.condition)(state, time);
-        self.length = dense.series(self.number, &mut self.series);
-        if self.length.is_some() { 0 } else { self.tracker.wanted(self.end) }
+        if self.is_fresh || G::JUMPS {
+            let (before, start) = (dense.before().clone(), dense.time(0.0));
+            let value = self.condition.value(dense, &before, start);
+            match core::mem::take(&mut self.is_fresh) {
+                true => self.tracker.start(value),
+                false => self.tracker.jump(value),
+            }
+        }
+        self.end = self.condition.value(dense, state, time);
+        self.known = self.condition.series(dense, 0.0, &mut self.series);
+        if self.known.is_some() { 0 } else { self.tracker.wanted(self.end) }
     }
 
-    fn see(&mut self, share: f64, state: &S::State, time: f64) {
-        if self.length.is_some() {
+    fn see(&mut self, share: f64, dense: &mut dyn Dense<S>, state: &S::State) {
+        if self.known.is_some() {
             return;
         }
-        self.tracker.see(share, (self.condition)(state, time));
+        let time = dense.time(share);
+        let value = self.condition.value(dense, state, time);
+        self.tracker.see(share, value);
     }
 
     fn see_end(&mut self) {
@@ -209,19 +291,34 @@ where
             return Ok(());
         }
         let tolerance = dense.resolution();
-        let mut value = |share: f64| {
+        let Self { tracker, condition, series, known, .. } = self;
+        let value = |share: f64, state: &mut S::State, dense: &mut dyn Dense<S>, condition: &mut G| {
             dense.at(share, state)?;
-            Ok((self.condition)(state, dense.time(share)))
+            let time = dense.time(share);
+            Ok(condition.value(dense, state, time))
         };
-        if is_first {
-            let series = self.length.and_then(|length| self.series.get(..length));
-            if let Some(series) = series {
-                self.tracker.see_series(series, &mut value)?;
-            }
-            self.tracker.settle(&mut value, tolerance, series.is_some())
-        } else {
-            self.tracker.seek(&mut value, tolerance)
+        if !is_first {
+            return tracker.seek(&mut |share| value(share, state, dense, condition), tolerance);
         }
+        let (mut from, mut part) = (0.0, *known);
+        for _ in 0..MOST_PARTS {
+            let Some((length, to)) = part else { break };
+            let coefficients = series.get(..length).unwrap_or_default();
+            tracker
+                .see_series(coefficients, (from, to), &mut |share| value(share, state, dense, condition))?;
+            part = if to < 1.0 {
+                condition.series(dense, to, series).filter(|(_, end)| *end > to)
+            } else {
+                None
+            };
+            from = to;
+        }
+        if from > 0.0 && from < 1.0 {
+            // the rest is seen as that of a closure
+            tracker.see_series(&[], (from, 1.0), &mut |share| value(share, state, dense, condition))?;
+        }
+        let has_series = from >= 1.0;
+        tracker.settle(&mut |share| value(share, state, dense, condition), tolerance, has_series)
     }
 
     fn next(&self, until: Option<f64>) -> Option<f64> {
@@ -256,8 +353,8 @@ impl<S: Dynamics + ?Sized, X: Within<S>> Within<S> for std::vec::Vec<X> {
     fn events(&self) -> usize {
         self.iter().map(X::events).sum()
     }
-    fn start(&mut self, state: &S::State, time: f64) {
-        self.iter_mut().for_each(|one| one.start(state, time));
+    fn start(&mut self) {
+        self.iter_mut().for_each(X::start);
     }
     fn forget(&mut self) {
         self.iter_mut().for_each(X::forget);
@@ -265,8 +362,8 @@ impl<S: Dynamics + ?Sized, X: Within<S>> Within<S> for std::vec::Vec<X> {
     fn wanted(&mut self, dense: &mut dyn Dense<S>, state: &S::State, time: f64) -> u32 {
         self.iter_mut().map(|one| one.wanted(dense, state, time)).max().unwrap_or(0)
     }
-    fn see(&mut self, share: f64, state: &S::State, time: f64) {
-        self.iter_mut().for_each(|one| one.see(share, state, time));
+    fn see(&mut self, share: f64, dense: &mut dyn Dense<S>, state: &S::State) {
+        self.iter_mut().for_each(|one| one.see(share, dense, state));
     }
     fn see_end(&mut self) {
         self.iter_mut().for_each(X::see_end);
@@ -324,12 +421,12 @@ impl<S: Dynamics + ?Sized, I: Iterator<Item = f64>, O: Observer<S>> Within<S> fo
     fn events(&self) -> usize {
         0
     }
-    fn start(&mut self, _: &S::State, _: f64) {}
+    fn start(&mut self) {}
     fn forget(&mut self) {}
     fn wanted(&mut self, _: &mut dyn Dense<S>, _: &S::State, _: f64) -> u32 {
         0
     }
-    fn see(&mut self, _: f64, _: &S::State, _: f64) {}
+    fn see(&mut self, _: f64, _: &mut dyn Dense<S>, _: &S::State) {}
     fn see_end(&mut self) {}
     fn seek(&mut self, _: &mut dyn Dense<S>, _: &mut S::State, _: bool) -> Result<(), StepError> {
         Ok(())
@@ -375,6 +472,7 @@ mod tests {
     struct Polynomial<'a> {
         coefficients: &'a [f64],
         looks: u32,
+        before: OscillatorState,
     }
 
     impl Polynomial<'_> {
@@ -395,9 +493,16 @@ mod tests {
             *state = OscillatorState::new(self.value(share), 0.0);
             Ok(())
         }
-        fn series(&mut self, _: usize, coefficients: &mut Coefficients) -> Option<usize> {
+        fn before(&self) -> &OscillatorState {
+            &self.before
+        }
+        fn event(&mut self, _: usize, state: &OscillatorState, _: f64) -> f64 {
+            state.position.x
+        }
+        fn series(&mut self, _: usize, from: f64, coefficients: &mut Coefficients) -> Option<(usize, f64)> {
+            assert_eq!(from, 0.0);
             coefficients.iter_mut().zip(self.coefficients).for_each(|(to, from)| *to = *from);
-            Some(self.coefficients.len())
+            Some((self.coefficients.len(), 1.0))
         }
     }
 
@@ -415,16 +520,16 @@ mod tests {
     /// What an event finds in one step with this series, and how many states it looks at.
     fn found(event: Event, coefficients: &[f64]) -> (Vec<(f64, Crossing)>, u32) {
         let mut all = Vec::new();
-        let position = |state: &OscillatorState, _: f64| state.position.x;
         let action =
             |event: &mut Occurrence<'_, Oscillator>| all.push((event.time() - 7.0, event.crossing()));
-        let mut within = Watched::new(0, event, position, action);
-        let mut dense = Polynomial { coefficients, looks: 0 };
-        let [start, end] = [0.0, 1.0].map(|share| OscillatorState::new(dense.value(share), 0.0));
+        let mut within = Watched::new(event, Described(0), action);
+        let value = |share| Polynomial { coefficients, looks: 0, before: OscillatorState::REST }.value(share);
+        let [start, end] = [0.0, 1.0].map(|share| OscillatorState::new(value(share), 0.0));
+        let mut dense = Polynomial { coefficients, looks: 0, before: start };
         let mut scratch = start;
-        within.start(&start, 7.0);
+        Within::<Oscillator>::start(&mut within);
         assert_eq!(within.wanted(&mut dense, &end, 8.0), 0);
-        within.see_end();
+        Within::<Oscillator>::see_end(&mut within);
         within.seek(&mut dense, &mut scratch, true).expect("polynomials have values");
         while let Some(next) = Within::<Oscillator>::next(&within, None) {
             let (mut state, mut control) = (scratch, OscillatorControl::new(0.0));

@@ -57,13 +57,17 @@ where
         after: Option<Last<S>>,
         report: &mut RunReport,
     ) -> Result<Last<S>, RunError> {
+        if !self.within.is_there() {
+            let cause = StepError::NoEvent { known: self.stepper.system().events() };
+            return Err(RunError::new(self.stepper.steps_taken() + 1, self.stepper.time(), *report, cause));
+        }
         let first = report.steps;
         let mut is_shown = after.is_some();
         let mut last = after.flatten();
         if is_shown {
             self.within.forget();
         } else {
-            self.within.start(self.state, self.stepper.time());
+            self.within.start();
         }
         // as long as there are steps, for what is before them, and what is within
         let mut piece = Piece { before: self.state.clone(), start: 0.0, length: 0.0 };
@@ -227,10 +231,15 @@ where
                         report.event = ends;
                         break Ok(Next::Stopped);
                     }
-                    self.within.start(&state, time);
+                    self.within.start();
                     let rest = piece.length - share * piece.length;
                     *self.state = state;
                     if share >= 1.0 || time == end || rest == 0.0 {
+                        break Ok(Next::Ended);
+                    }
+                    if self.stepper.is_adaptive() {
+                        // a step of its own from here on, as long as the tolerance allows
+                        self.stepper.go_on_at(time, index);
                         break Ok(Next::Ended);
                     }
                     piece.before.clone_from(self.state);
@@ -286,7 +295,7 @@ where
             for k in 1..=points {
                 let share = f64::from(k) / f64::from(points + 1);
                 dense.at(share, scratch)?;
-                self.within.see(share, scratch, dense.time(share));
+                self.within.see(share, &mut dense, scratch);
             }
             self.within.see_end();
         }

@@ -4,6 +4,7 @@ use super::report::{RunError, RunReport};
 use super::{StepReport, Stepper};
 use crate::error::{ParameterError, StepError};
 use crate::scalar::{Real, Scalar};
+use crate::system::series::Coefficients;
 use crate::system::{Dynamics, MethodOf, System};
 
 /// What takes steps: a [`Stepper`] of whatever scheme.
@@ -121,6 +122,19 @@ pub trait Stepping {
         from: (f64, f64),
         input: Inputs<'_, <Self::System as Dynamics>::Control>,
     ) -> Result<StepReport, StepError>;
+    /// Writes the power series of an event of the description from a state on, in shares of a time that starts somewhere and has a length, and
+    /// how many coefficients there are. None if there is none.
+    #[doc(hidden)]
+    fn event_series(
+        &self,
+        _event: usize,
+        _state: &<Self::System as Dynamics>::State,
+        _from: (f64, f64),
+        _input: Inputs<'_, <Self::System as Dynamics>::Control>,
+        _coefficients: &mut Coefficients,
+    ) -> Option<usize> {
+        None
+    }
     /// The next step starts at this time, after so many steps.
     #[doc(hidden)]
     fn go_on_at(&mut self, time: f64, steps: u64);

@@ -4,7 +4,7 @@
 use super::System;
 use super::series::{MOST_COEFFICIENTS, PowerSeries, Series};
 use crate::error::ParameterError;
-use crate::scalar::{Batch, Scalar};
+use crate::scalar::{Batch, Components as _, Scalar};
 use crate::taylor::Pace;
 
 /// The lowest order: the rule for the step looks at the last two terms.
@@ -19,6 +19,8 @@ pub struct Adaptive<S: PowerSeries> {
     pub(crate) tolerance: f64,
     pub(crate) pace: Pace,
     pub(crate) series: Series<S, S::Scalar>,
+    /// The largest that an input has been.
+    pub(crate) sizes: S::ControlComponents<f64>,
 }
 
 impl<S: PowerSeries> Adaptive<S> {
@@ -30,6 +32,7 @@ impl<S: PowerSeries> Adaptive<S> {
             tolerance,
             pace: Pace::default(),
             series: Series::new(order),
+            sizes: S::ControlComponents::splat(0.0),
         })
     }
 }

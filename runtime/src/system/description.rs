@@ -1,6 +1,7 @@
 //! Descriptions of systems, as values.
 
 use super::{Control, Quantity, Side, State, System};
+use crate::crossing::Event;
 
 /// Describes a system, but for its numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,6 +25,8 @@ pub struct Description {
     pub forced: bool,
     /// Whether energy or forces are written piece by piece: [`PIECEWISE`](crate::System::PIECEWISE).
     pub piecewise: bool,
+    /// The events: their names, and which of their zeros count.
+    pub events: &'static [(&'static str, Event)],
     /// On which side of the configuration velocities and momenta are taken: [`SIDE`](crate::System::SIDE).
     pub side: Side,
 }
@@ -39,7 +42,26 @@ impl Description {
         side: Side,
         [autonomous, invariant, forced, piecewise]: [bool; 4],
     ) -> Self {
-        Self { name, parameters, state, controls, casimirs, autonomous, invariant, forced, piecewise, side }
+        let events = &[];
+        Self {
+            name,
+            parameters,
+            state,
+            controls,
+            casimirs,
+            autonomous,
+            invariant,
+            forced,
+            piecewise,
+            events,
+            side,
+        }
+    }
+
+    /// The same with these events.
+    #[cfg(feature = "dynamic")]
+    pub(crate) fn with_events(self, events: &'static [(&'static str, Event)]) -> Self {
+        Self { events, ..self }
     }
 
     /// Describes the system `S`.
@@ -54,6 +76,7 @@ impl Description {
             invariant: S::INVARIANT,
             forced: S::FORCED,
             piecewise: S::PIECEWISE,
+            events: S::EVENTS,
             side: S::SIDE,
         }
     }

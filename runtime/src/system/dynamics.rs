@@ -3,6 +3,8 @@
 use core::fmt;
 
 use super::System;
+use crate::crossing::Event;
+use crate::scalar::{Real, Scalar};
 
 /// A system as a [`Run`](crate::Run) sees it: its type known, or erased.
 ///
@@ -20,6 +22,10 @@ pub trait Dynamics {
     fn name(&self) -> &'static str;
     /// Returns controls that are all zero.
     fn no_control(&self) -> Self::Control;
+    /// The events of the description, by their names.
+    fn events(&self) -> &'static [(&'static str, Event)];
+    /// What is zero at one of them.
+    fn event(&self, event: usize, state: &Self::State, time: f64, control: &Self::Control) -> f64;
 }
 
 impl<S: System> Dynamics for S {
@@ -34,5 +40,13 @@ impl<S: System> Dynamics for S {
     #[inline]
     fn no_control(&self) -> S::Control {
         S::Control::default()
+    }
+
+    fn events(&self) -> &'static [(&'static str, Event)] {
+        S::EVENTS
+    }
+
+    fn event(&self, event: usize, state: &S::State, time: f64, control: &S::Control) -> f64 {
+        self.event_at(event, state, S::Scalar::of(time), control).to_f64()
     }
 }

@@ -4,6 +4,7 @@ pub(crate) mod adaptive;
 mod description;
 mod dynamics;
 mod geometry;
+pub(crate) mod input;
 mod right_lift;
 pub(crate) mod series;
 pub(crate) mod stepper;
@@ -16,6 +17,7 @@ use nalgebra::{
     UnitComplex, UnitQuaternion,
 };
 
+use crate::crossing::Event;
 use crate::error::ParameterError;
 use crate::kernel::Kernel;
 use crate::legendre::LegendreError;
@@ -243,6 +245,8 @@ pub trait System: Sized {
     /// Whether energy or forces are written piece by piece: an `if`, `abs` or `max` in them goes by state or time. Then derivatives may jump, and
     /// what is proved of smooth systems holds between kinks.
     const PIECEWISE: bool = false;
+    /// The events of the description: their names, and which of their zeros count.
+    const EVENTS: &'static [(&'static str, Event)] = &[];
     /// On which side of the configuration velocities and momenta are taken.
     const SIDE: Side;
 
@@ -261,6 +265,16 @@ pub trait System: Sized {
     /// The Hamiltonian at time 0 with all controls zero; the same at all times and with all controls unless an energy names them.
     fn energy(&self, state: &Self::State) -> Self::Scalar {
         self.energy_at(state, Self::Scalar::of(0.0), &Self::Control::default())
+    }
+    /// The quantity that is zero at an event of the description, by its place in [`EVENTS`](Self::EVENTS); not a number if there is none there.
+    fn event_at(
+        &self,
+        _event: usize,
+        _state: &Self::State,
+        _time: Self::Scalar,
+        _control: &Self::Control,
+    ) -> Self::Scalar {
+        Self::Scalar::of(f64::NAN)
     }
     /// The body velocity `∂h/∂μ` at a time and with controls, of all factors one after the other: `𝕀⁻¹ μ` for a mechanical system. Not a number
     /// if there is none: see [`velocity_of`](Self::velocity_of).

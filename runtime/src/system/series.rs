@@ -3,12 +3,16 @@
 use core::fmt;
 
 use super::System;
+use super::input::Polynomial;
 use crate::kernel::Blocks;
 use crate::scalar::simd::lanes::Processor;
 use crate::scalar::{Components, LongWork, Real, Scalar};
 
 /// The highest order of a Taylor step: more than doubles have digits for.
 pub(crate) const MOST_COEFFICIENTS: usize = 32;
+
+/// Of a polynomial in time.
+pub(crate) type Coefficients = [f64; MOST_COEFFICIENTS + 1];
 
 /// The power series of a system's motion, by recurrences. Implemented by descriptions with the key `taylor`.
 ///
@@ -27,9 +31,15 @@ pub trait PowerSeries: System {
     type Lanes<T: Scalar>: Components<T>;
     /// The velocity at the start, where it has a series; else nothing.
     type Velocity<T: Scalar>: Components<T>;
+    /// A number for each event of the description that has a series.
+    type Events<T: Scalar>: Components<T>;
 
     /// The lengths of the blocks of what has a series that have a unit in common.
     const BLOCKS: Blocks;
+    /// Where the controls stand among what has a series; none where they have no part in the motion.
+    const CONTROLS: Option<usize> = None;
+    /// The places of the events that have a series among those of the description.
+    const EVENTS_WITH_SERIES: &'static [usize] = &[];
 
     /// The velocity at the start of a step, if it has a series.
     fn start_velocity(
@@ -75,6 +85,8 @@ pub struct Leading<S: PowerSeries, T: Scalar> {
     pub start: S::Coefficients<T>,
     /// Its change.
     pub change: S::Coefficients<T>,
+    /// The events.
+    pub events: S::Events<T>,
 }
 
 /// The coefficients of one order of a motion.
@@ -83,6 +95,8 @@ pub struct Next<S: PowerSeries, T: Scalar> {
     pub change: S::Coefficients<T>,
     /// Of both operands of all lanes.
     pub operands: [S::Lanes<T>; 2],
+    /// Of the events.
+    pub events: S::Events<T>,
 }
 
 impl<S: PowerSeries, T: Scalar> fmt::Debug for Next<S, T> {
@@ -111,13 +125,14 @@ pub(crate) struct Series<S: PowerSeries, T: Scalar> {
     left: [Row<S::Lanes<T>>; MOST_COEFFICIENTS],
     right: [Row<S::Lanes<T>>; MOST_COEFFICIENTS],
     coefficients: [S::Coefficients<T>; MOST_COEFFICIENTS + 1],
+    events: [S::Events<T>; MOST_COEFFICIENTS],
     order: usize,
 }
 
 impl<S: PowerSeries, T: Scalar> Clone for Series<S, T> {
     fn clone(&self) -> Self {
-        let Self { kept, left, right, coefficients, order } = *self;
-        Self { kept, left, right, coefficients, order }
+        let Self { kept, left, right, coefficients, events, order } = *self;
+        Self { kept, left, right, coefficients, events, order }
     }
 }
 
@@ -127,7 +142,8 @@ impl<S: PowerSeries, T: Real> Series<S, T> {
         let zero = T::of(0.0);
         let rows = [Row(S::Lanes::splat(zero)); MOST_COEFFICIENTS];
         let coefficients = [S::Coefficients::splat(zero); MOST_COEFFICIENTS + 1];
-        Self { kept: S::Kept::splat(zero), left: rows, right: rows, coefficients, order }
+        let events = [S::Events::splat(zero); MOST_COEFFICIENTS];
+        Self { kept: S::Kept::splat(zero), left: rows, right: rows, coefficients, events, order }
     }
 
     pub(crate) fn order(&self) -> usize {
@@ -141,20 +157,32 @@ impl<S: PowerSeries, T: Real> Series<S, T> {
     /// Computes all coefficients of the motion from a state on.
     #[inline(always)]
     fn expand<P: Processor>(&mut self, start: &Start<'_, S, T>) {
-        let Start { parameters, state, time, control, velocity } = start;
-        let Leading { kept, start, change } = S::leading(parameters, state, *time, control, velocity);
+        let Start { parameters, state, time, control, velocity, input } = start;
+        let Leading { kept, start, change, events } = S::leading(parameters, state, *time, control, velocity);
         self.kept = kept;
-        (self.coefficients[0], self.coefficients[1]) = (start, change);
+        (self.coefficients[0], self.coefficients[1], self.events[0]) = (start, change, events);
+        self.drive(*input, 1);
         for k in 1..self.order.min(MOST_COEFFICIENTS) {
             let sums = self.multiply::<P>(k);
-            let Next { mut change, operands: [left, right] } =
+            let Next { mut change, operands: [left, right], events } =
                 S::next(&self.kept, &self.coefficients[k], &sums, T::of(k as f64));
-            (self.left[k].0, self.right[k].0) = (left, right);
+            (self.left[k].0, self.right[k].0, self.events[k]) = (left, right, events);
             let share = T::of(1.0 / (k as f64 + 1.0));
             for x in change.as_mut() {
                 *x = *x * share;
             }
             self.coefficients[k + 1] = change;
+            self.drive(*input, k + 1);
+        }
+    }
+
+    /// Puts the coefficients of one order of an input in the place of those of controls that are held.
+    #[inline(always)]
+    fn drive(&mut self, input: Option<&Input<S>>, order: usize) {
+        let (Some(input), Some(from)) = (input, S::CONTROLS) else { return };
+        let Some(numbers) = input.order(order) else { return };
+        for (to, number) in self.coefficients[order].as_mut().iter_mut().skip(from).zip(numbers.as_ref()) {
+            *to = T::of(*number);
         }
     }
 
@@ -233,6 +261,18 @@ impl<S: PowerSeries, T: Real> Series<S, T> {
             }
         }
         sum
+    }
+
+    /// Writes the series of an event of the description in shares of a step of this length, the constant coefficient first, and how many coefficients
+    /// there are. None if the event has no series.
+    pub(crate) fn event(&self, event: usize, step: f64, coefficients: &mut Coefficients) -> Option<usize> {
+        let place = S::EVENTS_WITH_SERIES.iter().position(|known| *known == event)?;
+        let mut power = 1.0;
+        for (coefficient, events) in coefficients.iter_mut().zip(self.events.iter().take(self.order)) {
+            *coefficient = events.as_ref().get(place)?.to_f64() * power;
+            power *= step;
+        }
+        Some(self.order)
     }
 
     /// The state a time `h` after the start.
@@ -349,7 +389,12 @@ pub(crate) struct Start<'s, S: System + PowerSeries, T: Scalar> {
     pub(crate) time: T,
     pub(crate) control: &'s S::ControlComponents<T>,
     pub(crate) velocity: &'s S::Velocity<T>,
+    /// What drives the controls, if they are not held.
+    pub(crate) input: Option<&'s Input<S>>,
 }
+
+/// An input as a power series.
+pub(crate) type Input<S> = Polynomial<<S as System>::ControlComponents<f64>>;
 
 /// One step: its series, how long it may be, and where it leads.
 pub(crate) struct Advance<'s, S: PowerSeries, T: Scalar> {

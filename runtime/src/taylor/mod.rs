@@ -34,19 +34,21 @@ use core::fmt;
 mod pace;
 
 use crate::error::{ParameterError, StepError};
-use crate::scalar::{Batch, Real, Scalar as _};
+use crate::scalar::{Batch, Components as _, Real, Scalar as _};
 use crate::stepper::report::{RunError, RunReport};
 use crate::stepper::{Inputs, StepReport, Stepping, check_deviation};
 #[cfg(doc)]
 use crate::system::System;
 pub use crate::system::adaptive::Adaptive;
 use crate::system::adaptive::LEAST_ORDER;
+use crate::system::input;
+use crate::system::series;
 pub use crate::system::series::PowerSeries;
-use crate::system::series::{Advance, MOST_COEFFICIENTS, Start};
+use crate::system::series::{Advance, Coefficients, Length, MOST_COEFFICIENTS, Start};
 #[doc(hidden)]
 pub use crate::system::series::{Leading, Next, SeriesVisitor};
 use crate::system::{Control, Dynamics, State};
-pub(crate) use pace::{Pace, Wanted};
+pub(crate) use pace::{Pace, SHORTEST, Wanted};
 
 impl<S: PowerSeries> Adaptive<S> {
     /// Takes steps of this order, whatever the tolerance: from 4 to 32.
@@ -95,6 +97,7 @@ impl<S: PowerSeries> Adaptive<S> {
     /// Sets the time: the next step starts at `time`.
     pub fn set_time(&mut self, time: f64) {
         self.pace.set_time(time);
+        self.sizes = S::ControlComponents::splat(0.0);
     }
 
     /// The steps taken.
@@ -121,8 +124,12 @@ impl<S: PowerSeries> Adaptive<S> {
     /// If the state, the time or the control is not finite, or the state's configuration not on its group; or if the step would be so short that time
     /// does not go on, as before a singularity. State and time are then as before the call.
     pub fn step_with(&mut self, state: &mut S::State, control: &S::Control) -> Result<f64, StepError> {
+        self.next_step(state, Inputs::Held(control))
+    }
+
+    fn next_step(&mut self, state: &mut S::State, input: Inputs<'_, S::Control>) -> Result<f64, StepError> {
         match self.pace.next()? {
-            Some(length) => self.advance(state, control, length),
+            Some(wanted) => self.advance(state, input, wanted),
             None => Ok(0.0),
         }
     }
@@ -137,8 +144,17 @@ impl<S: PowerSeries> Adaptive<S> {
         control: &S::Control,
         time: f64,
     ) -> Result<f64, StepError> {
+        self.next_toward(state, Inputs::Held(control), time)
+    }
+
+    fn next_toward(
+        &mut self,
+        state: &mut S::State,
+        input: Inputs<'_, S::Control>,
+        time: f64,
+    ) -> Result<f64, StepError> {
         match self.pace.toward(time)? {
-            Some(length) => self.advance(state, control, length),
+            Some(wanted) => self.advance(state, input, wanted),
             None => Ok(0.0),
         }
     }
@@ -161,9 +177,18 @@ impl<S: PowerSeries> Adaptive<S> {
         control: &S::Control,
         time: f64,
     ) -> Result<RunReport, RunError> {
+        self.all_toward(state, Inputs::Held(control), time)
+    }
+
+    fn all_toward(
+        &mut self,
+        state: &mut S::State,
+        mut input: Inputs<'_, S::Control>,
+        time: f64,
+    ) -> Result<RunReport, RunError> {
         let mut report = RunReport::default();
         loop {
-            match self.step_toward(state, control, time) {
+            match self.next_toward(state, input.again(), time) {
                 Ok(0.0) => return Ok(report),
                 Ok(_) => report.count(&EXPLICIT),
                 Err(cause) => return Err(RunError::new(self.steps_taken() + 1, self.time(), report, cause)),
@@ -181,8 +206,54 @@ impl<S: PowerSeries> Adaptive<S> {
     fn advance(
         &mut self,
         state: &mut S::State,
+        input: Inputs<'_, S::Control>,
+        wanted: Wanted,
+    ) -> Result<f64, StepError> {
+        match input {
+            Inputs::Held(control) => self.advance_with(state, control, None, wanted),
+            Inputs::Driven(input) => self.advance_driven(state, input, wanted),
+        }
+    }
+
+    /// Finds a step over which a polynomial is as close to the input as the tolerance, and takes it, or a part of it.
+    fn advance_driven(
+        &mut self,
+        state: &mut S::State,
+        input: &mut dyn FnMut(f64) -> S::Control,
+        wanted: Wanted,
+    ) -> Result<f64, StepError> {
+        let mut first = 0.0;
+        if self.pace.last.is_none() && self.pace.fixed.is_none() {
+            let before = self.pace;
+            let step = self.advance_with(&mut state.clone(), &input(self.time()), None, wanted);
+            self.pace.undo(before);
+            first = step?;
+        }
+        let zero = S::ControlComponents::<f64>::splat(0.0);
+        let mut ask = |time: f64| {
+            let (control, mut numbers) = (input(time).to_components(), zero);
+            for (to, number) in numbers.as_mut().iter_mut().zip(control.as_ref()) {
+                *to = number.to_f64();
+            }
+            numbers
+        };
+        let accuracy = (self.order(), self.tolerance);
+        let (polynomial, wanted) =
+            input::fitted((&self.pace, wanted, first), accuracy, &mut self.sizes, &mut ask);
+        let mut control = S::ControlComponents::<S::Scalar>::splat(S::Scalar::of(0.0));
+        let first = polynomial.order(0).map_or(&[][..], |first| first.as_ref());
+        for (to, number) in control.as_mut().iter_mut().zip(first) {
+            *to = S::Scalar::of(*number);
+        }
+        self.advance_with(state, &S::Control::from_components(&control), Some(&polynomial), wanted)
+    }
+
+    fn advance_with(
+        &mut self,
+        state: &mut S::State,
         control: &S::Control,
-        length: Wanted,
+        input: Option<&series::Input<S>>,
+        wanted: Wanted,
     ) -> Result<f64, StepError> {
         check_deviation(state.deviation().to_f64())?;
         let time = S::Scalar::of(self.time());
@@ -202,11 +273,12 @@ impl<S: PowerSeries> Adaptive<S> {
                 time,
                 control: &control_components,
                 velocity: &velocity,
+                input,
             },
             before,
-            length: length.length,
+            length: wanted.length,
         });
-        self.pace.took(step, is_finite(next.as_ref()), length.end)?;
+        self.pace.took(step, is_finite(next.as_ref()), wanted.end)?;
         *state = S::State::from_components(&next);
         Ok(step)
     }
@@ -255,11 +327,18 @@ impl<S: PowerSeries> Stepping for Adaptive<S> {
 
     #[cfg(feature = "std")]
     fn snapshot(&self) -> std::vec::Vec<f64> {
-        self.pace.snapshot().to_vec()
+        let own = self.pace.snapshot();
+        own.into_iter().chain(self.sizes.as_ref().iter().copied()).collect()
     }
 
     fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
-        self.pace.restore(memory)
+        let (own, sizes) = memory.split_at(memory.len().min(Pace::MEMORY));
+        let expected = Pace::MEMORY + self.sizes.as_ref().len();
+        if memory.len() != expected {
+            return Err(ParameterError::Snapshot { expected, got: memory.len() });
+        }
+        self.sizes.as_mut().copy_from_slice(sizes);
+        self.pace.restore(own)
     }
 
     fn step_with(&mut self, state: &mut S::State, control: &S::Control) -> Result<StepReport, StepError> {
@@ -268,10 +347,10 @@ impl<S: PowerSeries> Stepping for Adaptive<S> {
 
     fn step_driven(
         &mut self,
-        _: &mut S::State,
-        _: &mut dyn FnMut(f64) -> S::Control,
+        state: &mut S::State,
+        input: &mut dyn FnMut(f64) -> S::Control,
     ) -> Result<StepReport, StepError> {
-        Err(StepError::NotDriven)
+        self.next_step(state, Inputs::Driven(input)).map(|_| EXPLICIT)
     }
 
     fn steps_with(
@@ -296,7 +375,6 @@ impl<S: PowerSeries> Stepping for Adaptive<S> {
         (start, length): (f64, f64),
         input: Inputs<'_, S::Control>,
     ) -> Result<StepReport, StepError> {
-        let Inputs::Held(control) = input else { return Err(StepError::NotDriven) };
         if self.pace.covers(start, length) {
             // within the last step, whose series are there
             *state = S::State::from_components(&self.series.state(S::Scalar::of(length)));
@@ -305,8 +383,30 @@ impl<S: PowerSeries> Stepping for Adaptive<S> {
         let mut beside = self.of(S::from_parameters(&self.system.to_parameters()));
         beside.pace.set_time(start);
         beside.pace.end = f64::INFINITY;
-        beside.to_with(state, control, start + length).map_err(|error| error.cause)?;
+        beside.all_toward(state, input, start + length).map_err(|error| error.cause)?;
         Ok(EXPLICIT)
+    }
+
+    fn event_series(
+        &self,
+        event: usize,
+        state: &S::State,
+        (start, length): (f64, f64),
+        input: Inputs<'_, S::Control>,
+        coefficients: &mut Coefficients,
+    ) -> Option<usize> {
+        if self.pace.is_last(start, length) {
+            return self.series.event(event, length, coefficients);
+        }
+        let Inputs::Held(control) = input else { return None };
+        if !S::EVENTS_WITH_SERIES.contains(&event) {
+            return None;
+        }
+        let mut beside = self.of(S::from_parameters(&self.system.to_parameters()));
+        beside.pace.set_time(start);
+        // be it that the state at its end is none: the series tells by itself how far it goes
+        let _ = beside.advance_with(&mut state.clone(), control, None, Length::Exactly(length).into());
+        beside.series.event(event, length, coefficients)
     }
 
     fn go_on_at(&mut self, time: f64, steps: u64) {
@@ -347,7 +447,8 @@ impl<S: PowerSeries + Clone> Clone for Adaptive<S> {
 impl<S: PowerSeries> Adaptive<S> {
     /// The same for a system.
     fn of(&self, system: S) -> Self {
-        Self { system, tolerance: self.tolerance, pace: self.pace, series: self.series.clone() }
+        let (series, sizes) = (self.series.clone(), self.sizes);
+        Self { system, tolerance: self.tolerance, pace: self.pace, series, sizes }
     }
 }
 

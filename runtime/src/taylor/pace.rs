@@ -37,7 +37,7 @@ impl From<Length> for Wanted {
 }
 
 /// A step that is shorter than this share of the time leads nowhere.
-const SHORTEST: f64 = 4.0 * f64::EPSILON;
+pub(crate) const SHORTEST: f64 = 4.0 * f64::EPSILON;
 
 impl Default for Pace {
     fn default() -> Self {
@@ -54,6 +54,9 @@ impl Default for Pace {
 }
 
 impl Pace {
+    /// How many numbers are remembered.
+    pub(crate) const MEMORY: usize = 4;
+
     pub(crate) fn time(&self) -> f64 {
         self.time[0]
     }
@@ -153,19 +156,29 @@ impl Pace {
         self.last.filter(|_| !self.from.is_nan() && (0.0..=1.0).contains(&share)).map(|last| share * last)
     }
 
+    /// Whether a step of this length from there is the last one.
+    pub(crate) fn is_last(&self, start: f64, length: f64) -> bool {
+        start == self.from && self.last == Some(length)
+    }
+
+    /// Goes back to what there was before a step that is not to count.
+    pub(crate) fn undo(&mut self, before: Self) {
+        *self = Self { last: None, from: f64::NAN, ..before };
+    }
+
     /// Whether a step of this length from there is within the last one.
     pub(crate) fn covers(&self, start: f64, length: f64) -> bool {
         start == self.from && self.last.is_some_and(|last| (0.0..=1.0).contains(&(length / last)))
     }
 
     #[cfg(feature = "std")]
-    pub(crate) fn snapshot(&self) -> [f64; 4] {
+    pub(crate) fn snapshot(&self) -> [f64; Self::MEMORY] {
         [self.time[0], self.time[1], self.taken as f64, self.last.unwrap_or(0.0)]
     }
 
     pub(crate) fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
         let &[high, low, taken, last] = memory else {
-            return Err(ParameterError::Snapshot { expected: 4, got: memory.len() });
+            return Err(ParameterError::Snapshot { expected: Self::MEMORY, got: memory.len() });
         };
         (self.time, self.taken, self.from) = ([high, low], taken as u64, f64::NAN);
         self.last = Some(last).filter(|last| *last != 0.0);

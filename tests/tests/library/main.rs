@@ -6,6 +6,7 @@ mod driven;
 mod effort;
 mod ensemble;
 mod erased;
+mod events;
 mod faulty;
 mod functions;
 mod hamilton_jacobi;

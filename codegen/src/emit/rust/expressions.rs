@@ -10,7 +10,7 @@ use super::docs;
 use super::names::Names;
 use super::state::kind_type;
 use crate::identifiers::{plain, velocity_name};
-use crate::model::{EnergySource, Factors, ForceForm, ForceSource, Name, System, parts};
+use crate::model::{EnergySource, EventSource, Factors, ForceForm, ForceSource, Name, System, parts};
 use crate::parse::EnergyRow;
 use crate::program::Interface;
 use crate::quantity::Kind;
@@ -28,7 +28,16 @@ pub(super) fn expressions(system: &System<'_>, interface: &Interface, names: &Na
         method(system, interface, names, energy)
     };
     let mut methods: Vec<TokenStream> = system.sources.energies.iter().map(energy).collect();
+    let event = |source: &EventSource| {
+        let EventSource { name, value, has_meaning } = source;
+        let (doc, name) = (format!("What is zero at the event `{name}`."), format!("event_{name}"));
+        let (result, has_meaning) = (names.scalar.clone(), *has_meaning);
+        let (has_velocity, has_controls) = (true, true);
+        let event = Method { doc: &doc, name: &name, value, result, has_meaning, has_velocity, has_controls };
+        method(system, interface, names, event)
+    };
     methods.extend(system.sources.forces.iter().map(|force| force_method(system, interface, names, force)));
+    methods.extend(system.sources.events.iter().map(event));
     if methods.is_empty() {
         return quote! {};
     }

@@ -9,7 +9,7 @@ use super::functions::{call, function};
 use super::names::{Names, quantity};
 use super::state::{Conversion, arrays};
 use crate::program::{FunctionRole as _, Input, Interface, Program, Quantity, SystemRole, Transform};
-use crate::quantity::Role;
+use crate::quantity::{Direction, Role};
 
 /// `impl System for HeavyTop { … }` and the functions it calls.
 pub(super) fn system(program: &Program, names: &Names) -> TokenStream {
@@ -25,9 +25,12 @@ pub(super) fn system(program: &Program, names: &Names) -> TokenStream {
         SystemRole::SpatialMomentum,
     ];
     let pivots = (0..interface.inertias.len()).map(SystemRole::Pivots);
-    let functions = functions.into_iter().chain(pivots).map(|role| function(program, names, role));
+    let events = (0..interface.events.len()).map(SystemRole::Event);
+    let functions =
+        functions.into_iter().chain(pivots).chain(events).map(|role| function(program, names, role));
     let (types, parameters) = (types(interface, names), parameters(interface, names));
     let (validate, evaluations) = (validate(interface, names), evaluations(program, names));
+    let events = self::events(program, names);
     let series = program.taylor.as_ref().map(|_| {
         quote! {
             fn visit_series<V: #private::SeriesVisitor<Self>>(visitor: V) -> ::core::option::Option<V::Output> {
@@ -48,6 +51,7 @@ pub(super) fn system(program: &Program, names: &Names) -> TokenStream {
                 #parameters
                 #validate
                 #evaluations
+                #events
                 #series
             }
         };
@@ -182,6 +186,43 @@ fn evaluations(program: &Program, names: &Names) -> TokenStream {
             __Stored::from_array(#spatial_momentum)
         }
     }
+}
+
+/// The events: their names and directions, and what is zero at them.
+fn events(program: &Program, names: &Names) -> Option<TokenStream> {
+    let Names { private, coadjoint, .. } = names;
+    let all = &program.interface.events;
+    let described = all.iter().map(|(name, direction)| {
+        let kind = match direction {
+            Direction::Rising => quote! { rising },
+            Direction::Falling => quote! { falling },
+            Direction::Both => quote! { any },
+        };
+        quote! { (#name, #coadjoint::Event::#kind()) }
+    });
+    let values = (0..all.len()).map(|place| {
+        let (value, place) = (call(program, names, SystemRole::Event(place), &[]), size(place));
+        quote! { #place => #value, }
+    });
+    (!all.is_empty()).then(|| {
+        quote! {
+            const EVENTS: &'static [(&'static ::core::primitive::str, #coadjoint::Event)] = &[#(#described),*];
+
+            fn event_at(
+                &self,
+                event: ::core::primitive::usize,
+                state: &Self::State,
+                time: Self::Scalar,
+                control: &Self::Control,
+            ) -> Self::Scalar {
+                let [value] = match event {
+                    #(#values)*
+                    _ => [#private::Scalar::of(::core::primitive::f64::NAN)],
+                };
+                value
+            }
+        }
+    })
 }
 
 /// Velocity and momentum by each other: a closed form, or Newton's iteration from rest.

@@ -12,7 +12,7 @@ use crate::program::{Function, Input, Interface, RecordKind, TaylorProgram, Tayl
 /// `impl PowerSeries for HeavyTop { … }`
 pub(super) fn taylor(names: &Names, interface: &Interface, series: &TaylorProgram) -> TokenStream {
     let Names { private, system, scalar, .. } = names;
-    let TaylorProgram { blocks, module } = series;
+    let TaylorProgram { blocks, controls, events, module } = series;
     let function = |role| module.function(role);
     let has_velocity =
         function(TaylorRole::Leading).is_some_and(|function| function.length(Input::Velocity) > 0);
@@ -20,6 +20,17 @@ pub(super) fn taylor(names: &Names, interface: &Interface, series: &TaylorProgra
     let lanes = function(TaylorRole::Next).map_or(0, |function| function.length(Input::Sums));
     let (unknowns, lanes) = (size(blocks.iter().sum()), size(lanes.next_multiple_of(TOGETHER)));
     let blocks = blocks.iter().map(|&length| size(length));
+    let controls = controls.map(|place| {
+        let place = size(place);
+        quote! {
+            const CONTROLS: ::core::option::Option<::core::primitive::usize> = ::core::option::Option::Some(#place);
+        }
+    });
+    let event_count = size(events.len());
+    let events = (!events.is_empty()).then(|| {
+        let events = events.iter().map(|&place| size(place));
+        quote! { const EVENTS_WITH_SERIES: &'static [::core::primitive::usize] = &[#(#events),*]; }
+    });
     let kept = record(&module.values, RecordKind::Step);
     let functions = module.functions.iter().map(|one| {
         let signature = signature(one.role, interface, &velocity);
@@ -43,8 +54,11 @@ pub(super) fn taylor(names: &Names, interface: &Interface, series: &TaylorProgra
                 type Coefficients<T: Scalar> = [T; #unknowns];
                 type Lanes<T: Scalar> = [T; #lanes];
                 type Velocity<T: Scalar> = [T; #velocity];
+                type Events<T: Scalar> = [T; #event_count];
 
                 const BLOCKS: Blocks = &[#(#blocks),*];
+                #controls
+                #events
 
                 fn start_velocity(
                     &self,
@@ -96,18 +110,19 @@ fn result(values: &Values, function: &Function<TaylorRole>) -> TokenStream {
     let results: Vec<TokenStream> = function.results.iter().map(|result| array(values, result)).collect();
     match function.role {
         TaylorRole::Leading => {
-            let (kept, start, change) = (kept(values, RecordKind::Step), results.first(), results.get(1));
-            quote! { Leading { kept: #kept, start: #start, change: #change } }
+            let kept = kept(values, RecordKind::Step);
+            let [start, change, events] = [0, 1, 2].map(|place| results.get(place));
+            quote! { Leading { kept: #kept, start: #start, change: #change, events: #events } }
         }
         TaylorRole::Next => {
-            let change = results.first();
+            let (change, events) = (results.first(), results.get(3));
             let [left, right] = [1, 2].map(|place| {
                 let numbers = function.results.get(place).map_or(&[][..], Vec::as_slice);
                 let spare = numbers.len().next_multiple_of(TOGETHER) - numbers.len();
                 let zeros = std::iter::repeat_n(Term::Number(Number::ZERO), spare);
                 array(values, &numbers.iter().cloned().chain(zeros).collect::<Vec<_>>())
             });
-            quote! { Next { change: #change, operands: [#left, #right] } }
+            quote! { Next { change: #change, operands: [#left, #right], events: #events } }
         }
         TaylorRole::Finish => quote! { #(#results)* },
     }

@@ -1,6 +1,7 @@
 //! The attribute as it is read.
 
 use coadjoint_codegen::parse::{EnergyKey, Key};
+use coadjoint_codegen::quantity::Direction;
 
 const POTENTIAL: Key = Key::Energy(EnergyKey::Potential);
 use quote::quote;
@@ -46,12 +47,26 @@ fn keys() {
         "colour = red",
         &[(
             "colour",
-            "there is no key `colour`; known: `group`, `advected`, `potential`, `hamiltonian`, `lagrangian`, `control`, `force`, `invariance`, `methods`, `retractions`, `derivatives`, `taylor`, `units`, `scalar` and `crate`",
+            "there is no key `colour`; known: `group`, `advected`, `potential`, `hamiltonian`, `lagrangian`, `control`, `force`, `event`, `invariance`, `methods`, `retractions`, `derivatives`, `taylor`, `units`, `scalar` and `crate`",
         )],
     );
     attribute("group = SO3, group = SO2", &[("group", "`group` is given twice; keep one of them")]);
     attribute("3, group = SO3", &[("3", "expected a key, such as `group = SO3`")]);
     attribute(", group = SO3", &[(",", "expected a key, such as `group = SO3`")]);
+}
+
+#[test]
+fn events() {
+    let read = attribute("group = R3, event(apogee = a + b, falling, high = c, low = d, both, at = e)", &[]);
+    let read: Vec<_> = read.events.iter().map(|one| (one.name.to_string(), one.direction)).collect();
+    let expected = [("apogee", Direction::Falling), ("high", Direction::Both), ("low", Direction::Both)];
+    let expected = expected.into_iter().chain([("at", Direction::Both)]);
+    assert_eq!(read, expected.map(|(name, direction)| (name.to_owned(), direction)).collect::<Vec<_>>());
+    attribute("event(a = b, faling)", &[("faling", "`faling` has no quantity; did you mean `falling`?")]);
+    attribute("event(a)", &[("a", "`a` has no quantity; write `event(apogee = ")]);
+    attribute("event(3)", &[("3", "expected a name, `=` and a quantity; write `event(apogee = ")]);
+    attribute("event(a = b, a = c)", &[("a", "`a` is named twice in `event`")]);
+    attribute("event = b", &[("=", "expected parentheses; write `event(apogee = ")]);
 }
 
 #[test]

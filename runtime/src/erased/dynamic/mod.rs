@@ -15,5 +15,7 @@ pub use crate::scalar::simd::frame::{LANES, side_by_side};
 pub use crate::scheme::Rule;
 pub use kernel::MOST_UNKNOWNS;
 pub use step::{Layout, Lengths, Solution, Step, StepDerivative, StepFunction, StepFunctions};
-pub use system::{Definition, DynamicSystem, Given, Inertia, SystemFunction, SystemFunctions, description};
+pub use system::{
+    Definition, DynamicSystem, Given, Inertia, SystemFunction, SystemFunctions, description, with_events,
+};
 pub use taylor::SeriesFunctions;

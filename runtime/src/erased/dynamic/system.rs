@@ -10,6 +10,7 @@ use super::linearization::linearization;
 use super::method::{equation, method};
 use super::step::{Called, Step};
 use super::taylor::{DynamicTaylor, SeriesFunctions};
+use crate::crossing::Event;
 use crate::ensemble::members::{Member, Members};
 use crate::ensemble::{EnsembleError, Instructions};
 use crate::erased::adaptive::TaylorSteps;
@@ -55,6 +56,8 @@ pub enum SystemFunction {
     HamiltonianVector,
     /// The forces as a tangent vector.
     Force,
+    /// What is zero at an event, by its place among them.
+    Event(usize),
 }
 
 /// What a function of a system may ask for. What it does not ask for may be empty.
@@ -101,6 +104,11 @@ pub fn description(
     facts: [bool; 4],
 ) -> Description {
     Description::dynamic(name, quantities, casimirs, side, facts)
+}
+
+/// The same with these events: their names, and which of their zeros count.
+pub fn with_events(described: Description, events: &'static [(&'static str, Event)]) -> Description {
+    described.with_events(events)
 }
 
 /// All that there is of a system but for its parameters' values.
@@ -295,6 +303,11 @@ impl Geometry for DynamicSystem {
 
     fn casimirs(&self, state: &[f64]) -> Vec<f64> {
         self.value(SystemFunction::Casimirs, &Given { state, ..Given::default() })
+    }
+
+    fn event(&self, event: usize, state: &[f64], time: f64, control: &[f64]) -> f64 {
+        let given = Given { state, time, control, ..Given::default() };
+        self.value(SystemFunction::Event(event), &given).first().copied().unwrap_or(f64::NAN)
     }
 
     fn displace(&self, state: &[f64], map: RetractionKind, by: &[f64]) -> Vec<f64> {

@@ -6,12 +6,13 @@ use std::vec::Vec;
 
 use super::system::{DynamicSystem, Given};
 use crate::erased::adaptive::TaylorSteps;
-use crate::erased::system::Geometry as _;
+use crate::erased::system::{Geometry as _, length};
 use crate::error::{ParameterError, StepError};
 use crate::scalar::Scalar;
-use crate::stepper::{StepReport, check_deviation};
+use crate::stepper::{Inputs, StepReport, check_deviation};
 use crate::system::adaptive::order;
-use crate::system::series::Terms;
+use crate::system::input::{Polynomial, fitted};
+use crate::system::series::{Coefficients, Length, Terms};
 use crate::taylor::{EXPLICIT, Pace, Wanted};
 
 /// The recurrences of a motion's power series, on a frame that keeps what depends on the start of a step.
@@ -20,21 +21,19 @@ pub trait SeriesFunctions: Send + Sync + 'static {
     fn blocks(&self) -> &[usize];
     /// How many products of two series there are.
     fn lanes(&self) -> usize;
+    /// Where the controls stand among what has a series; none where they have no part in the motion.
+    fn controls(&self) -> Option<usize>;
+    /// The places of the events that have a series among those of the description.
+    fn events(&self) -> &[usize];
     /// Whether the start asks for the velocity.
     fn asks_for_velocity(&self) -> bool;
     /// A frame in which nothing is computed yet.
     fn frame(&self) -> Vec<f64>;
-    /// The coefficients of order 0: of what has a series, and of its changes.
-    fn leading(&self, frame: &mut [f64], given: &Given<'_>, start: &mut [f64], change: &mut [f64]);
-    /// The coefficients of an order, from those of what has a series and the sums of products of lower ones: of the changes, and of both operands
-    /// of all products.
-    fn next(
-        &self,
-        frame: &mut [f64],
-        given: (&[f64], &[f64], f64),
-        change: &mut [f64],
-        operands: [&mut [f64]; 2],
-    );
+    /// The coefficients of order 0: of what has a series, of its changes, and of the events.
+    fn leading(&self, frame: &mut [f64], given: &Given<'_>, to: [&mut [f64]; 3]);
+    /// The coefficients of an order, from those of what has a series and the sums of products of lower ones: of the changes, of both operands of all
+    /// products, and of the events.
+    fn next(&self, frame: &mut [f64], given: (&[f64], &[f64], f64), to: [&mut [f64]; 4]);
     /// The state where what has a series has come to.
     fn finish(&self, frame: &mut [f64], end: &[f64]) -> Vec<f64>;
 }
@@ -42,8 +41,11 @@ pub trait SeriesFunctions: Send + Sync + 'static {
 /// Takes Taylor steps: [`taylor::Adaptive`](crate::taylor::Adaptive) with its arithmetic behind functions.
 pub(super) struct DynamicTaylor {
     system: DynamicSystem,
+    tolerance: f64,
     pace: Pace,
     series: Series,
+    /// The largest that an input has been.
+    sizes: Vec<f64>,
 }
 
 /// The power series of one step.
@@ -54,6 +56,7 @@ struct Series {
     /// Both operands of all products, order by order.
     operands: [Vec<Vec<f64>>; 2],
     coefficients: Vec<Vec<f64>>,
+    events: Vec<Vec<f64>>,
     order: usize,
 }
 
@@ -76,15 +79,23 @@ impl Series {
     fn new(functions: Arc<dyn SeriesFunctions>, order: usize) -> Self {
         let rows = std::vec![std::vec![0.0; functions.lanes()]; order];
         let coefficients = std::vec![std::vec![0.0; functions.blocks().iter().sum()]; order + 1];
+        let events = std::vec![std::vec![0.0; functions.events().len()]; order];
         let (frame, operands) = (functions.frame(), [rows.clone(), rows]);
-        Self { functions, frame, operands, coefficients, order }
+        Self { functions, frame, operands, coefficients, events, order }
     }
 
-    /// Computes all coefficients of the motion from a state on.
-    fn expand(&mut self, given: &Given<'_>) {
-        let Self { functions, frame, operands: [left, right], coefficients, order } = self;
-        if let [start, change, ..] = &mut coefficients[..] {
-            functions.leading(frame, given, start, change);
+    /// Computes all coefficients of the motion from a state on, with an input in the place of controls that are held.
+    fn expand(&mut self, given: &Given<'_>, input: Option<&Polynomial<Vec<f64>>>) {
+        let Self { functions, frame, operands: [left, right], coefficients, events, order } = self;
+        let from = functions.controls();
+        let drive = |coefficients: &mut [f64], order: usize| {
+            let (Some(input), Some(from)) = (input, from) else { return };
+            let Some(numbers) = input.order(order) else { return };
+            coefficients.iter_mut().skip(from).zip(numbers).for_each(|(to, number)| *to = *number);
+        };
+        if let ([start, change, ..], [events, ..]) = (&mut coefficients[..], &mut events[..]) {
+            functions.leading(frame, given, [start, change, events]);
+            drive(change, 1);
         }
         let mut sums = std::vec![0.0; functions.lanes()];
         for k in 1..*order {
@@ -95,11 +106,24 @@ impl Series {
                 }
             }
             let (known, next) = coefficients.split_at_mut(k + 1);
+            let next = &mut next[0];
             let given = (&known[k][..], &sums[..], k as f64);
-            functions.next(frame, given, &mut next[0], [&mut left[k], &mut right[k]]);
+            functions.next(frame, given, [next, &mut left[k], &mut right[k], &mut events[k]]);
             let share = 1.0 / (k as f64 + 1.0);
-            next[0].iter_mut().for_each(|x| *x *= share);
+            next.iter_mut().for_each(|x| *x *= share);
+            drive(next, k + 1);
         }
+    }
+
+    /// Writes the series of an event in shares of a step of this length: see [`Stepping::event_series`](crate::stepper::Stepping).
+    fn event(&self, event: usize, step: f64, coefficients: &mut Coefficients) -> Option<usize> {
+        let place = self.functions.events().iter().position(|known| *known == event)?;
+        let mut power = 1.0;
+        for (coefficient, events) in coefficients.iter_mut().zip(&self.events) {
+            *coefficient = events.get(place)? * power;
+            power *= step;
+        }
+        Some(self.order)
     }
 
     /// The state a time `h` after the start.
@@ -123,10 +147,56 @@ impl DynamicTaylor {
     ) -> Result<Box<dyn TaylorSteps>, ParameterError> {
         system.validate()?;
         let series = Series::new(functions, order(tolerance, f64::EPSILON)?);
-        Ok(Box::new(Self { system: system.clone(), pace: Pace::default(), series }))
+        let sizes = std::vec![0.0; length(system.description().controls)];
+        Ok(Box::new(Self { system: system.clone(), tolerance, pace: Pace::default(), series, sizes }))
     }
 
-    fn advance(&mut self, state: &mut [f64], control: &[f64], wanted: Wanted) -> Result<f64, StepError> {
+    /// The same at another time.
+    fn beside(&self, time: f64) -> Self {
+        let (system, series, sizes) = (self.system.clone(), self.series.clone(), self.sizes.clone());
+        let mut beside = Self { system, series, sizes, ..*self };
+        beside.pace.set_time(time);
+        beside.pace.end = f64::INFINITY;
+        beside
+    }
+
+    fn advance(
+        &mut self,
+        state: &mut [f64],
+        input: Inputs<'_, Vec<f64>>,
+        wanted: Wanted,
+    ) -> Result<f64, StepError> {
+        match input {
+            Inputs::Held(control) => self.advance_with(state, control, None, wanted),
+            Inputs::Driven(input) => {
+                let mut ask = |time: f64| {
+                    let mut numbers = self.sizes.clone();
+                    numbers.fill(0.0);
+                    crate::flat::copy(&mut numbers, &input(time));
+                    numbers
+                };
+                let (mut sizes, mut first) = (self.sizes.clone(), 0.0);
+                if self.pace.last.is_none() && self.pace.fixed.is_none() {
+                    let mut trial = self.beside(self.pace.time());
+                    first = trial.advance_with(&mut state.to_vec(), &ask(self.pace.time()), None, wanted)?;
+                }
+                let accuracy = (self.series.order, self.tolerance);
+                let (polynomial, wanted) =
+                    fitted((&self.pace, wanted, first), accuracy, &mut sizes, &mut ask);
+                self.sizes = sizes;
+                let control = polynomial.order(0).cloned().unwrap_or_default();
+                self.advance_with(state, &control, Some(&polynomial), wanted)
+            }
+        }
+    }
+
+    fn advance_with(
+        &mut self,
+        state: &mut [f64],
+        control: &[f64],
+        input: Option<&Polynomial<Vec<f64>>>,
+        wanted: Wanted,
+    ) -> Result<f64, StepError> {
         check_deviation(self.system.deviation(state))?;
         let time = self.pace.time();
         let is_finite = |numbers: &[f64]| numbers.iter().all(|x| x.is_finite());
@@ -141,7 +211,7 @@ impl DynamicTaylor {
             given.velocity = &velocity;
         }
         let before = self.pace.begin();
-        self.series.expand(&given);
+        self.series.expand(&given, input);
         let step = self.series.step(before, wanted.length);
         let next = self.series.state(step);
         self.pace.took(step, is_finite(&next), wanted.end)?;
@@ -157,6 +227,7 @@ impl TaylorSteps for DynamicTaylor {
 
     fn set_time(&mut self, time: f64) {
         self.pace.set_time(time);
+        self.sizes.fill(0.0);
     }
 
     fn steps_taken(&self) -> u64 {
@@ -196,32 +267,68 @@ impl TaylorSteps for DynamicTaylor {
         &self,
         state: &mut [f64],
         (start, length): (f64, f64),
-        control: &[f64],
+        mut input: Inputs<'_, Vec<f64>>,
     ) -> Result<StepReport, StepError> {
         if self.pace.covers(start, length) {
             // within the last step, whose series are there
             crate::flat::copy(state, &self.series.state(length));
             return Ok(EXPLICIT);
         }
-        let mut beside = Self { system: self.system.clone(), pace: self.pace, series: self.series.clone() };
-        beside.pace.set_time(start);
+        let mut beside = self.beside(start);
         while let Some(wanted) = beside.pace.toward(start + length)? {
-            beside.advance(state, control, wanted)?;
+            beside.advance(state, input.again(), wanted)?;
         }
         Ok(EXPLICIT)
     }
 
+    fn step_driven(
+        &mut self,
+        state: &mut [f64],
+        input: &mut dyn FnMut(f64) -> Vec<f64>,
+    ) -> Result<StepReport, StepError> {
+        if let Some(wanted) = self.pace.next()? {
+            self.advance(state, Inputs::Driven(input), wanted)?;
+        }
+        Ok(EXPLICIT)
+    }
+
+    fn event_series(
+        &self,
+        event: usize,
+        state: &[f64],
+        (start, length): (f64, f64),
+        control: &[f64],
+        coefficients: &mut Coefficients,
+    ) -> Option<usize> {
+        if self.pace.is_last(start, length) {
+            return self.series.event(event, length, coefficients);
+        }
+        if !self.series.functions.events().contains(&event) {
+            return None;
+        }
+        let mut beside = self.beside(start);
+        // be it that the state at its end is none: the series tells by itself how far it goes
+        let _ = beside.advance_with(&mut state.to_vec(), control, None, Length::Exactly(length).into());
+        beside.series.event(event, length, coefficients)
+    }
+
     fn snapshot(&self) -> Vec<f64> {
-        self.pace.snapshot().to_vec()
+        self.pace.snapshot().into_iter().chain(self.sizes.iter().copied()).collect()
     }
 
     fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
-        self.pace.restore(memory)
+        let expected = Pace::MEMORY + self.sizes.len();
+        if memory.len() != expected {
+            return Err(ParameterError::Snapshot { expected, got: memory.len() });
+        }
+        let (own, sizes) = memory.split_at(Pace::MEMORY);
+        self.sizes.copy_from_slice(sizes);
+        self.pace.restore(own)
     }
 
     fn step_with(&mut self, state: &mut [f64], control: &[f64]) -> Result<f64, StepError> {
         match self.pace.next()? {
-            Some(wanted) => self.advance(state, control, wanted),
+            Some(wanted) => self.advance_with(state, control, None, wanted),
             None => Ok(0.0),
         }
     }

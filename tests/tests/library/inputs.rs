@@ -1,0 +1,141 @@
+//! Inputs that are functions of time, within Taylor steps: as accurate as the tolerance.
+// in a test, a panic is the report
+#![allow(clippy::unwrap_used)]
+
+use std::sync::Arc;
+
+use coadjoint::prelude::*;
+use coadjoint::{Run, State, erased};
+
+/// A damped pendulum with a torque.
+#[lie_poisson_system(
+    group = SO2,
+    control(torque: f64, shake: f64),
+    potential = -weight * (1.0 + shake) * angle.cos_angle(),
+    force = vector![torque - damping * velocity.x],
+    event(down = angle.angle()),
+    taylor,
+    retractions(Exponential)
+)]
+struct Pendulum {
+    #[inertia]
+    inertia: f64,
+    weight: f64,
+    damping: f64,
+}
+
+/// The same, with the inputs in its description.
+#[lie_poisson_system(
+    group = SO2,
+    potential = -weight * (1.0 + shaken * (3.0 * t).sin()) * angle.cos_angle(),
+    force = vector![0.4 * (0.7 * t).cos() + 0.2 * (-t).exp() - damping * velocity.x],
+    event(down = angle.angle()),
+    taylor,
+    retractions(Exponential)
+)]
+struct Described {
+    #[inertia]
+    inertia: f64,
+    weight: f64,
+    damping: f64,
+    shaken: f64,
+}
+
+/// A mass that is pushed.
+#[lie_poisson_system(group = R1, control(push: f64), force = push, taylor, retractions(Exponential))]
+struct Mass {
+    #[inertia]
+    mass: f64,
+}
+
+fn input(time: f64) -> PendulumControl {
+    PendulumControl { torque: 0.4 * (0.7 * time).cos() + 0.2 * (-time).exp(), shake: 0.25 * (3.0 * time).sin() }
+}
+
+fn pendulum() -> (Pendulum, PendulumState) {
+    let start = PendulumState { angle: UnitComplex::new(0.8), momentum: vector![0.5] };
+    (Pendulum { inertia: 1.2, weight: 2.0, damping: 0.1 }, start)
+}
+
+fn distance<S: State<Scalar = f64>>(a: &S, b: &S) -> f64 {
+    let (a, b) = (a.to_components(), b.to_components());
+    a.as_ref().iter().zip(b.as_ref()).fold(0.0, |largest: f64, (a, b)| largest.max((a - b).abs()))
+}
+
+#[test]
+fn the_error_follows_the_tolerance() {
+    let (system, start) = pendulum();
+    let described = Described { inertia: 1.2, weight: 2.0, damping: 0.1, shaken: 0.25 };
+    let mut exact = DescribedState { angle: start.angle, momentum: start.momentum };
+    let (mut events, mut trajectory) = (Vec::new(), described.adaptive(1e-15).unwrap());
+    Run::new(&mut trajectory, &mut exact).on("down", |event| events.push(event.time())).to(30.0).unwrap();
+    let exact = PendulumState { angle: exact.angle, momentum: exact.momentum };
+    let mut all = Vec::new();
+    for tolerance in [1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14] {
+        let (mut state, mut trajectory) = (start.clone(), system.adaptive(tolerance).unwrap());
+        let (mut asked, mut found) = (0, Vec::new());
+        let report = Run::new(&mut trajectory, &mut state)
+            .driven_by(|time| {
+                asked += 1;
+                input(time)
+            })
+            .on("down", |event| found.push(event.time()))
+            .to(30.0)
+            .unwrap();
+        let error = distance(&state, &exact);
+        println!("{tolerance:e}: {error:e}, {} steps, asked {asked} times", report.steps);
+        assert!(error < 100.0 * tolerance, "{tolerance:e}: {error:e}");
+        assert_eq!(found.len(), events.len());
+        let off = found.iter().zip(&events).fold(0.0, |off: f64, (a, b)| off.max((a - b).abs()));
+        assert!(off < 100.0 * tolerance, "{tolerance:e}: {off:e}");
+        all.push(report.steps);
+
+        // backward it comes back
+        let mut back = state.clone();
+        Run::new(&mut trajectory, &mut back).driven_by(input).to(0.0).unwrap();
+        assert!(distance(&back, &start) < 1e3 * tolerance, "{tolerance:e}: {:e}", distance(&back, &start));
+    }
+    assert!(all[5] < 3 * all[0], "{all:?}");
+
+    // where types are erased, to the last bit
+    let mut typed = start.clone();
+    Run::new(&mut system.adaptive(1e-10).unwrap(), &mut typed).driven_by(input).to(7.0).unwrap();
+    let mut state = start.to_components().to_vec();
+    let mut trajectory = erased::Adaptive::new(Arc::new(system), 1e-10).unwrap();
+    let numbers = |time: f64| {
+        let PendulumControl { torque, shake } = input(time);
+        vec![torque, shake]
+    };
+    Run::new(&mut trajectory, &mut state).driven_by(numbers).to(7.0).unwrap();
+    assert_eq!(state, typed.to_components());
+}
+
+#[test]
+fn jumps_and_kinks_are_closed_in_on() {
+    let system = Mass { mass: 2.0 };
+    // a step at 1/3 and back at 2, and a kink at 1
+    let push = |time: f64| if (1.0 / 3.0..2.0).contains(&time) { 1.0 } else { 0.0 } + (time - 1.0).abs();
+    // the integrals from 0 to 3, once and twice
+    let momentum = 5.0 / 3.0 + 2.5;
+    let position = |from: f64| 0.5 * (3.0 - from) * (3.0 - from);
+    let of_kink = 0.5 * 3.0 + 0.5 * 3.0 - 1.0 / 6.0 + 8.0 / 6.0;
+    let _ = of_kink;
+    let place = (position(1.0 / 3.0) - position(2.0)
+        // |t − 1| = (1 − t) + 2 (t − 1) from 1 on
+        + (4.5 - 4.5) + 2.0 * 8.0 / 6.0)
+        / 2.0;
+    for tolerance in [1e-6, 1e-9, 1e-12] {
+        let mut state = MassState { position: vector![0.0], momentum: vector![0.0] };
+        let (mut trajectory, mut asked) = (system.adaptive(tolerance).unwrap(), 0);
+        let run = Run::new(&mut trajectory, &mut state);
+        let counted = |time: f64| {
+            asked += 1;
+            MassControl { push: push(time) }
+        };
+        let report = run.driven_by(counted).to(3.0).unwrap();
+        let off = (state.momentum.x - momentum).abs().max((state.position.x - place).abs());
+        println!("{tolerance:e}: {off:e}, {} steps, asked {asked} times", report.steps);
+        assert!(off < 10.0 * tolerance, "{tolerance:e}: {off:e}");
+        assert!(report.steps < 300 && asked < 10_000, "{} {asked}", report.steps);
+    }
+}
