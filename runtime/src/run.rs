@@ -317,7 +317,9 @@ where
     /// Drives the run by `input`, a function of time: it is asked in the middle of each step, or of each of the steps that a composition is made of,
     /// so that the motion has the order of the scheme wherever the input is smooth enough.
     ///
-    /// Where it jumps or has a kink, a step should end. Observers are shown the input at the time of the tick. It is asked for the same time more than
+    /// [Taylor steps](crate::taylor) ask it at points of the step that they try, and follow it as closely as their tolerance says.
+    ///
+    /// Where it jumps or has a kink, a step of one length should end. Observers are shown the input at the time of the tick. It is asked for the same time more than
     /// once, and within a step of a composition for times that go back and forth.
     ///
     /// ```

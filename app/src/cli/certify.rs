@@ -64,7 +64,9 @@ pub(crate) fn certify(
             .filter(|&method| has_method(entry, method))
             .collect(),
     };
+    let is_taylor = matches!(arguments.method, Some(Method::Taylor(_)));
     let retractions = match arguments.retraction {
+        None if is_taylor => vec![Retraction::Exponential],
         Some(retraction) => vec![retraction],
         None => Retraction::of(entry),
     };
@@ -114,8 +116,11 @@ fn in_short(report: &Report) -> Report {
 }
 
 /// The meaning of the rows, one line each.
-const LEGEND: [(&str, &str); 19] = [
+const LEGEND: [(&str, &str); 22] = [
     ("order", "the error falls with this power of the step"),
+    ("group", "how far states are off it, at every tolerance"),
+    ("error by tolerance", "of the trajectory, in units of the tolerance"),
+    ("energy by tolerance", "the energy's, likewise"),
     ("consistency", "short steps follow the equations of motion"),
     ("Poisson map", "a step keeps the Poisson structure: it is symplectic"),
     (CASIMIRS, "how far steps are from keeping each, under its name"),

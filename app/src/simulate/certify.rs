@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use coadjoint::certify::{Report, certify_erased};
+use coadjoint::certify::{Report, certify_erased, certify_taylor};
 use coadjoint::erased::{self, RetractionKind};
 use coadjoint::system::{Quantity, Role};
 
@@ -23,13 +23,16 @@ pub fn certify(
     method: Method,
     retraction: Retraction,
 ) -> Result<Report, RunError> {
-    let method = if method == Method::Standard { standard(entry, retraction) } else { method };
-    let scheme = scheme(method, retraction, Order::Two)?;
     let (states, _) = states_in_motion(entry, setup)?;
     let law = entry.law(setup);
     let chosen = |state: &Vec<f64>| law.as_ref().map(|law| entry.chosen(law, (state, 0.0)));
     let controls: Vec<Vec<f64>> = states.iter().filter_map(chosen).collect();
     let system = entry.system(&setup.parameters);
+    if let Method::Taylor(_) = method {
+        return Ok(certify_taylor(system, &states, &controls)?);
+    }
+    let method = if method == Method::Standard { standard(entry, retraction) } else { method };
+    let scheme = scheme(method, retraction, Order::Two)?;
     Ok(certify_erased(&*system, &scheme, &states, &controls, entry.certified_step)?)
 }
 

@@ -135,7 +135,7 @@ pub(crate) fn stepper(
 ) -> Result<erased::Stepper, RunError> {
     let &Job { method, retraction, order, step, .. } = job;
     let stepper = match method {
-        Method::Taylor(tolerance) => return taylor::stepper(system, tolerance, input.is_some(), step),
+        Method::Taylor(tolerance) => return taylor::stepper(system, tolerance, input, step),
         Method::Classical(classical) => {
             check_order(method, order)?;
             classical_stepper(system, classical, input, step)

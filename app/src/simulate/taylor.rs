@@ -7,32 +7,38 @@ use coadjoint::stepper::Stepping;
 use coadjoint::{Run, StepError};
 
 use super::RunError;
-use crate::error::SetupError;
+use crate::catalogue::Input;
 use crate::setup::Tolerance;
 
 /// Builds a stepper whose steps are as many Taylor steps to a tolerance as there need be.
 ///
 /// # Errors
-/// If parameters or step are not valid, there are no power series of the system, or an input drives it.
+/// If parameters or step are not valid, or there are no power series of the system.
 pub(super) fn stepper(
     system: Arc<dyn erased::System>,
     tolerance: Tolerance,
-    is_driven: bool,
+    input: Option<Arc<Input>>,
     step: f64,
 ) -> Result<erased::Stepper, RunError> {
-    if is_driven {
-        let reason =
-            "Taylor steps hold their controls: leave out `--input`, or take another method".to_owned();
-        return Err(SetupError::new(reason).into());
-    }
     let series = Mutex::new(erased::Adaptive::new(system.clone(), tolerance.value())?);
     let stepper = erased::Stepper::from_fn(system, step, move |_, at: &At<'_>, next| {
         // what is left behind by one that failed is set anew
         let mut series = series.lock().unwrap_or_else(PoisonError::into_inner);
         Stepping::set_time(&mut *series, at.time);
         let mut state = at.state.to_vec();
-        let run = Run::new(&mut *series, &mut state).with_control(at.control.to_vec());
-        let report = run.to(at.time + at.step).map_err(|error| error.cause)?;
+        let (run, end) = (Run::new(&mut *series, &mut state), at.time + at.step);
+        let report = match &input {
+            None => run.with_control(at.control.to_vec()).to(end),
+            Some(input) => {
+                let driven = |time: f64| {
+                    let mut control = at.control.to_vec();
+                    input.write(time, &mut control);
+                    control
+                };
+                run.driven_by(driven).to(end)
+            }
+        };
+        let report = report.map_err(|error| error.cause)?;
         next.copy_from_slice(&state);
         Ok::<u32, StepError>(report.steps.try_into().unwrap_or(u32::MAX))
     });

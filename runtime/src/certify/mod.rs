@@ -62,6 +62,8 @@
 //! radian, or of the time in which the velocity changes; a faster time of its own, as a stiff spring or a drive has it, wants a
 //! [step](Certification::step) that resolves it.
 //!
+//! What [Taylor steps](crate::taylor) claim, [`certify_taylor`] measures.
+//!
 //! What belongs to the group, and not to a scheme, [`group_laws`] measures more closely, and [`assert_group_laws!`](crate::assert_group_laws) is the
 //! test of a group by itself.
 
@@ -72,6 +74,7 @@ mod measure;
 mod neighbourhood;
 mod probe;
 mod report;
+mod taylor;
 mod warm;
 
 use thiserror::Error;
@@ -86,6 +89,7 @@ pub use measure::Claimed;
 #[doc(hidden)]
 pub use probe::{KernelPart, kernel};
 pub use report::{Bound, Certificate, Report, Verdict};
+pub use taylor::certify_taylor;
 
 use crate::erased::{self, At, Flat, NotGenerated};
 use crate::error::{ParameterError, StepError};

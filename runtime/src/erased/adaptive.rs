@@ -52,6 +52,7 @@ pub trait TaylorSteps: Send + Sync {
     fn set_time(&mut self, time: f64);
     fn steps_taken(&self) -> u64;
     fn order(&self) -> usize;
+    fn set_order(&mut self, order: usize);
     fn step_size(&self) -> f64;
     fn is_adaptive(&self) -> bool;
     fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError>;
@@ -178,6 +179,10 @@ impl<S: PowerSeries<Scalar = f64> + Send + Sync> TaylorSteps for taylor::Adaptiv
         Self::order(self)
     }
 
+    fn set_order(&mut self, order: usize) {
+        Self::set_order(self, order);
+    }
+
     fn step_with(&mut self, state: &mut [f64], control: &[f64]) -> Result<f64, StepError> {
         let mut next = S::State::from_components(&array(state));
         let length = Self::step_with(self, &mut next, &S::Control::from_components(&array(control)))?;
@@ -229,6 +234,12 @@ impl Adaptive {
     /// The order of the steps.
     pub fn order(&self) -> usize {
         self.steps.order()
+    }
+
+    /// Takes steps of this order, whatever the tolerance: see [`taylor::Adaptive::with_order`].
+    pub fn with_order(mut self, order: usize) -> Self {
+        self.steps.set_order(order);
+        self
     }
 
     /// The time at which the next step starts.

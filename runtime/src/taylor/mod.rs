@@ -34,6 +34,8 @@ use core::fmt;
 mod pace;
 
 use crate::error::{ParameterError, StepError};
+#[cfg(feature = "std")]
+use crate::run::Run;
 use crate::scalar::{Batch, Components as _, Real, Scalar as _};
 use crate::stepper::report::{RunError, RunReport};
 use crate::stepper::{Inputs, StepReport, Stepping, check_deviation};
@@ -55,8 +57,12 @@ impl<S: PowerSeries> Adaptive<S> {
     ///
     /// The step's length then follows from the order, as if it had been chosen for the tolerance `e^{2 − 2N}`.
     pub fn with_order(mut self, order: usize) -> Self {
-        self.series.set_order(order.clamp(LEAST_ORDER, MOST_COEFFICIENTS));
+        self.set_order(order);
         self
+    }
+
+    pub(crate) fn set_order(&mut self, order: usize) {
+        self.series.set_order(order.clamp(LEAST_ORDER, MOST_COEFFICIENTS));
     }
 
     /// Takes steps of this length, whatever their error.
@@ -282,6 +288,57 @@ impl<S: PowerSeries> Adaptive<S> {
         *state = S::State::from_components(&next);
         Ok(step)
     }
+}
+
+/// Takes many trajectories to one time, each with its own steps, parameters and tolerance, all with their controls zero.
+///
+/// Each ends as if it were taken alone, to the last bit. With the feature `parallel` they go on all cores. One that fails stays where it came to, and
+/// its error stands in its place of what is returned; the rest go on.
+///
+/// ```
+/// use coadjoint::prelude::*;
+/// use coadjoint::taylor;
+///
+/// #[lie_poisson_system(group = SO3, taylor)]
+/// #[derive(Clone)]
+/// struct Body {
+///     #[inertia]
+///     inertia: Vector3<f64>,
+/// }
+///
+/// let body = Body { inertia: vector![1.0, 2.0, 2.5] };
+/// let state = |k: u32| BodyState {
+///     attitude: UnitQuaternion::identity(),
+///     momentum: vector![0.01, 2.0, 1e-4 * f64::from(k)],
+/// };
+/// let mut members = (0..10).map(|k| Ok((body.adaptive(1e-9)?, state(k)))).collect::<Result<Vec<_>, ParameterError>>()?;
+/// for time in [1.0, 2.0, 3.0] {
+///     let reports = taylor::all_to(&mut members, time);
+///     assert!(reports.iter().all(Result::is_ok));
+/// }
+/// let (mut alone, mut trajectory) = (state(7), body.adaptive(1e-9)?);
+/// [1.0, 2.0, 3.0].into_iter().try_for_each(|time| trajectory.to(&mut alone, time).map(|_| ()))?;
+/// assert_eq!(members[7].1, alone);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[cfg(feature = "std")]
+pub fn all_to<T>(
+    members: &mut [(T, <T::System as Dynamics>::State)],
+    time: f64,
+) -> std::vec::Vec<Result<RunReport, RunError>>
+where
+    T: Stepping + Send,
+    <T::System as Dynamics>::State: Send,
+{
+    let one =
+        |(trajectory, state): &mut (T, <T::System as Dynamics>::State)| Run::new(trajectory, state).to(time);
+    #[cfg(feature = "parallel")]
+    {
+        use rayon::prelude::*;
+        members.par_iter_mut().map(one).collect()
+    }
+    #[cfg(not(feature = "parallel"))]
+    members.iter_mut().map(one).collect()
 }
 
 impl<S: PowerSeries> Stepping for Adaptive<S> {

@@ -49,7 +49,10 @@ struct Mass {
 }
 
 fn input(time: f64) -> PendulumControl {
-    PendulumControl { torque: 0.4 * (0.7 * time).cos() + 0.2 * (-time).exp(), shake: 0.25 * (3.0 * time).sin() }
+    PendulumControl {
+        torque: 0.4 * (0.7 * time).cos() + 0.2 * (-time).exp(),
+        shake: 0.25 * (3.0 * time).sin(),
+    }
 }
 
 fn pendulum() -> (Pendulum, PendulumState) {
@@ -83,8 +86,7 @@ fn the_error_follows_the_tolerance() {
             .to(30.0)
             .unwrap();
         let error = distance(&state, &exact);
-        println!("{tolerance:e}: {error:e}, {} steps, asked {asked} times", report.steps);
-        assert!(error < 100.0 * tolerance, "{tolerance:e}: {error:e}");
+        assert!(error < 100.0 * tolerance && asked < 20_000, "{tolerance:e}: {error:e}, asked {asked} times");
         assert_eq!(found.len(), events.len());
         let off = found.iter().zip(&events).fold(0.0, |off: f64, (a, b)| off.max((a - b).abs()));
         assert!(off < 100.0 * tolerance, "{tolerance:e}: {off:e}");
@@ -118,12 +120,8 @@ fn jumps_and_kinks_are_closed_in_on() {
     // the integrals from 0 to 3, once and twice
     let momentum = 5.0 / 3.0 + 2.5;
     let position = |from: f64| 0.5 * (3.0 - from) * (3.0 - from);
-    let of_kink = 0.5 * 3.0 + 0.5 * 3.0 - 1.0 / 6.0 + 8.0 / 6.0;
-    let _ = of_kink;
-    let place = (position(1.0 / 3.0) - position(2.0)
-        // |t − 1| = (1 − t) + 2 (t − 1) from 1 on
-        + (4.5 - 4.5) + 2.0 * 8.0 / 6.0)
-        / 2.0;
+    // |t − 1| is 1 − t, whose second integral from 0 to 3 is 0, and 2 (t − 1) from 1 on
+    let place = (position(1.0 / 3.0) - position(2.0) + 2.0 * 8.0 / 6.0) / 2.0;
     for tolerance in [1e-6, 1e-9, 1e-12] {
         let mut state = MassState { position: vector![0.0], momentum: vector![0.0] };
         let (mut trajectory, mut asked) = (system.adaptive(tolerance).unwrap(), 0);
@@ -134,7 +132,6 @@ fn jumps_and_kinks_are_closed_in_on() {
         };
         let report = run.driven_by(counted).to(3.0).unwrap();
         let off = (state.momentum.x - momentum).abs().max((state.position.x - place).abs());
-        println!("{tolerance:e}: {off:e}, {} steps, asked {asked} times", report.steps);
         assert!(off < 10.0 * tolerance, "{tolerance:e}: {off:e}");
         assert!(report.steps < 300 && asked < 10_000, "{} {asked}", report.steps);
     }

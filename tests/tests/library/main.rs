@@ -10,6 +10,7 @@ mod events;
 mod faulty;
 mod functions;
 mod hamilton_jacobi;
+mod inputs;
 mod kinks;
 mod laws;
 mod map;
