@@ -11,9 +11,10 @@ use crate::erased::system::At;
 use crate::error::StepError;
 use crate::flat::Method;
 use crate::kernel::{AtState, Equation as _};
-use crate::method::{Counted, Failure, Method as _};
+use crate::method::{Advanced, Clock, Counted, Failure, Method as _, StepsReport};
 use crate::scalar::Mask;
 use crate::scalar::simd::frame::Joined;
+use crate::scalar::simd::march::{March, Marched};
 use crate::solve::{self, step::OneStep};
 
 /// What takes the step with these parameters and this length.
@@ -32,13 +33,26 @@ impl<T: Called> OfKernel<T> for OfMethod<'_, T> {
     fn made<const U: usize>(self, step: &Arc<Step>) -> Box<dyn Method<T>> {
         let frame = Frame::new(step, self.parameters, self.length);
         let joined = Joined::new(frame, step, |handle| OneStep::of(DynamicKernel::<T, U>(handle)));
-        Box::new(DynamicMethod { step: step.clone(), joined })
+        Box::new(DynamicMethod { step: step.clone(), march: T::march(&*step.functions), joined })
     }
 }
 
 struct DynamicMethod<T: Called, const U: usize> {
     step: Arc<Step>,
+    /// What takes many steps at a time.
+    march: Option<March>,
     joined: Joined<Frame<T>, Step, OneStep<T, DynamicKernel<T, U>>>,
+}
+
+/// Takes steps by machine code, if there is any, from the state in the frame on, to which the last step has led.
+fn marched<T: Called, const U: usize>(
+    march: Option<&March>,
+    method: &mut OneStep<T, DynamicKernel<T, U>>,
+    clock: Clock,
+    most: u64,
+) -> Option<Marched> {
+    let march = march?;
+    method.kernel().0.with(|frame| Some(method.march(march, &mut frame.rows, clock, most)))
 }
 
 impl<T: Called, const U: usize> Method<T> for DynamicMethod<T, U> {
@@ -47,21 +61,69 @@ impl<T: Called, const U: usize> Method<T> for DynamicMethod<T, U> {
     }
 
     fn advance(&mut self, state: &[T], next: &mut [T], time: T, control: &[T], known: bool) -> Counted<T> {
-        let layout = &self.step.layout;
-        let frame = self.joined.frame();
+        let Self { step, march, joined } = self;
+        let layout = &step.layout;
+        let frame = joined.frame();
         frame.write(layout.state.clone(), state);
         frame.write(layout.control.clone(), control);
-        let outcome = self.joined.user().advance(&[], time, &[], known);
-        let frame = self.joined.frame();
+        let mut first = None;
+        if known && let Some(marched) = marched(march.as_ref(), joined.user(), Clock::at(time), 1) {
+            let frame = joined.frame();
+            if marched.steps == 1 {
+                next.iter_mut().zip(frame.read(layout.state.clone())).for_each(|(to, number)| *to = number);
+                let (mut iterations, residual) = joined.user().on_fast_path();
+                let more = marched.more.1;
+                iterations.as_mut().iter_mut().for_each(|all| *all = all.wrapping_add(more));
+                return Ok(Advanced { state: (), iterations, residual });
+            }
+            first = marched.has_first.then(|| frame.array(layout.out.clone()));
+        }
+        let method = joined.user();
+        let outcome = match first {
+            Some(_) => method.advance_farther(&[], time, &[], known, first),
+            None => method.advance(&[], time, &[], known),
+        };
+        let frame = joined.frame();
         next.iter_mut().zip(frame.read(layout.next.clone())).for_each(|(to, number)| *to = number);
         outcome.map(|advanced| advanced.with(())).map_err(|failure| {
             let advanced = failure.advanced.with(());
             let errors = T::each(|lane| {
                 let error = failure.errors.as_ref()[lane]?;
-                Some(seen(&self.step, frame, time, lane, error))
+                Some(seen(step, frame, time, lane, error))
             });
             Failure { errors, advanced }
         })
+    }
+
+    fn advance_n(&mut self, state: &mut [T], clock: Clock, control: &[T], most: u64) -> StepsReport<T> {
+        let mut report = StepsReport::default();
+        let Self { step, march, joined } = self;
+        if march.is_none() {
+            return report;
+        }
+        let layout = &step.layout;
+        let frame = joined.frame();
+        frame.write(layout.state.clone(), state);
+        frame.write(layout.control.clone(), control);
+        while report.steps < most {
+            let ahead = Clock { taken: clock.taken + report.steps, ..clock };
+            if let Some(marched) = marched(march.as_ref(), joined.user(), ahead, most - report.steps) {
+                let (iterations, residual) = joined.user().on_fast_path();
+                report.count(marched.steps, &iterations, residual, marched.more);
+                report.steps += marched.steps;
+            }
+            if report.steps == most {
+                break;
+            }
+            let time = T::of(clock.after(report.steps));
+            let Ok(advanced) = joined.user().advance_farther(&[], time, &[], true, None) else { break };
+            joined.frame().rows.copy_within(layout.next.clone(), layout.state.start);
+            report.steps += 1;
+            report.count(1, &advanced.iterations, advanced.residual, (0, 0));
+        }
+        let frame = joined.frame();
+        state.iter_mut().zip(frame.read(layout.state.clone())).for_each(|(to, number)| *to = number);
+        report
     }
 
     /// The numbers that the typed stepper has: not those that fill up an unknown.

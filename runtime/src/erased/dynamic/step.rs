@@ -6,6 +6,7 @@ use std::vec::Vec;
 
 use crate::retraction::RetractionKind;
 use crate::scalar::simd::frame::{Framed, LANES, Wide};
+use crate::scalar::simd::march::March;
 use crate::scheme::Rule;
 
 /// The functions of a step, as [`StepFunctions`] has them.
@@ -35,6 +36,10 @@ pub trait StepFunctions: Send + Sync + 'static {
     fn call(&self, function: StepFunction, frame: &mut [f64]);
     /// Calls a function on several frames, number by number side by side. In each lane the result is that of the lane alone, bit for bit.
     fn call_wide(&self, function: StepFunction, frame: &mut [[f64; LANES]]);
+    /// What takes many steps at a time, as long as they are as most are, if there is machine code for it.
+    fn march(&self) -> Option<March> {
+        None
+    }
 }
 
 /// How many numbers there are.
@@ -157,11 +162,19 @@ impl core::fmt::Debug for Step {
 pub(crate) trait Called: Framed {
     /// Calls a function.
     fn call(functions: &dyn StepFunctions, function: StepFunction, frame: &mut [Self::Row]);
+    /// What takes many steps at a time.
+    fn march(_functions: &dyn StepFunctions) -> Option<March> {
+        None
+    }
 }
 
 impl Called for f64 {
     fn call(functions: &dyn StepFunctions, function: StepFunction, frame: &mut [f64]) {
         functions.call(function, frame);
+    }
+
+    fn march(functions: &dyn StepFunctions) -> Option<March> {
+        functions.march()
     }
 }
 

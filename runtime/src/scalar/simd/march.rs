@@ -1,0 +1,137 @@
+//! Steps that machine code takes, which was made at run time.
+#![allow(unsafe_code, reason = "nobody but who made machine code knows what it does")]
+
+use std::any::Any;
+use std::sync::Arc;
+
+use super::frame::Framed;
+use crate::method::Clock;
+use crate::scalar::rows::Row;
+use crate::scalar::{Components, Real};
+
+/// How many solutions are remembered.
+pub(crate) const WINDOW: usize = 16;
+
+/// What machine code goes on from, and where it has led to.
+#[repr(C)]
+#[derive(Debug)]
+pub struct Marching {
+    /// The frame.
+    pub frame: *mut f64,
+    /// The solutions that are remembered, in a ring, from one to the next as many numbers as [`row_length`] says.
+    pub ring: *mut f64,
+    /// Where the solutions point.
+    pub next: *mut f64,
+    /// The latest solution, of Newton's method.
+    pub solution: *mut f64,
+    /// The relative change of an iteration that may be the last.
+    pub tolerance: f64,
+    /// Steps start at `start + taken · step`.
+    pub start: f64,
+    /// As above.
+    pub step: f64,
+    /// As above.
+    pub taken: u64,
+    /// How many steps to take at most.
+    pub most: u64,
+    /// The place of the oldest solution.
+    pub oldest: u64,
+    /// How many steps were taken.
+    pub steps: u64,
+    /// Iterations more than one a step, all together.
+    pub more: u64,
+    /// The same in one step at most.
+    pub most_more: u64,
+    /// Whether an iteration of the next step was made, which led to where results go.
+    pub has_first: u64,
+}
+
+/// Machine code that takes steps as nearly all are: what the solver's fast path does, again and again. It may leave any step to that.
+#[derive(Clone)]
+pub struct March {
+    code: unsafe extern "C" fn(*mut Marching),
+    /// How many numbers frames and rows have.
+    lengths: [usize; 2],
+    /// What the code is a part of.
+    _owner: Arc<dyn Any + Send + Sync>,
+}
+
+impl core::fmt::Debug for March {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("March").field("lengths", &self.lengths).finish_non_exhaustive()
+    }
+}
+
+/// What is remembered of the solutions before.
+pub(crate) struct Remembered<'a, T, U> {
+    pub(crate) ring: &'a mut [Row<T, U, 1>; WINDOW],
+    pub(crate) next: &'a mut U,
+    pub(crate) solution: &'a mut U,
+    pub(crate) oldest: &'a mut u32,
+}
+
+/// How a march went.
+pub(crate) struct Marched {
+    pub(crate) steps: u64,
+    /// Iterations more than one a step, all together, and in one step at most.
+    pub(crate) more: (u64, u32),
+    /// Whether an iteration of the next step was made, which led to where results go.
+    pub(crate) has_first: bool,
+}
+
+/// How many numbers there are from one solution that is remembered to the next, with room for so many unknowns.
+pub(crate) const fn row_length<const U: usize>() -> usize {
+    size_of::<Row<f64, [f64; U], 1>>() / size_of::<f64>()
+}
+
+impl March {
+    /// Code for frames and rows of so many numbers, of a step whose unknowns there is room for in these.
+    ///
+    /// # Safety
+    /// The code is there as long as the owner is. It reads and writes what it is given, and no more: a frame, a ring of 16 rows, and two unknowns.
+    pub unsafe fn new(
+        code: unsafe extern "C" fn(*mut Marching),
+        lengths: [usize; 2],
+        owner: Arc<dyn Any + Send + Sync>,
+    ) -> Self {
+        Self { code, lengths, _owner: owner }
+    }
+
+    /// Takes steps from the state in a frame on, up to `most`.
+    pub(crate) fn take<T: Framed, U: Components<T>>(
+        &self,
+        frame: &mut [T::Row],
+        remembered: Remembered<'_, T, U>,
+        tolerance: T,
+        clock: Clock,
+        most: u64,
+    ) -> Marched {
+        let row = size_of::<Row<T, U, 1>>() / size_of::<f64>();
+        // one double: there are no others of one lane
+        if T::LANES > 1 || self.lengths != [frame.len(), row] {
+            return Marched { steps: 0, more: (0, 0), has_first: false };
+        }
+        let Remembered { ring, next, solution, oldest } = remembered;
+        let mut marching = Marching {
+            frame: frame.as_mut_ptr().cast(),
+            ring: ring.as_mut_ptr().cast(),
+            next: next.as_mut().as_mut_ptr().cast(),
+            solution: solution.as_mut().as_mut_ptr().cast(),
+            tolerance: tolerance.lane(0).to_f64(),
+            start: clock.start,
+            step: clock.step,
+            taken: clock.taken,
+            most,
+            oldest: (*oldest).into(),
+            steps: 0,
+            more: 0,
+            most_more: 0,
+            has_first: 0,
+        };
+        // SAFETY: all of it is lent to this call, and as long as the code expects
+        unsafe { (self.code)(&raw mut marching) };
+        *oldest = marching.oldest as u32;
+        let more = (marching.more, marching.most_more as u32);
+        Marched { steps: marching.steps, more, has_first: marching.has_first != 0 }
+    }
+}
