@@ -31,8 +31,8 @@ pub(super) struct Emitter<'a, 'f> {
 #[derive(Clone, Copy)]
 enum Known {
     Computed(ir::Value),
-    /// It stands in the frame, and has not been read yet.
-    InFrame(usize),
+    /// It stands in memory, so many places from an address, and has not been read yet.
+    InMemory(ir::Value, usize),
 }
 
 /// Results of a function, array by array.
@@ -56,7 +56,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
             let first = places.input(argument.input);
             for (value, place) in argument.values.iter().zip(first..) {
                 if let Some(value) = value {
-                    self.know(*value, Known::InFrame(place));
+                    self.know(*value, Known::InMemory(self.frame, place));
                 }
             }
         }
@@ -70,9 +70,9 @@ impl<'a, 'f> Emitter<'a, 'f> {
         let record: Vec<_> = fields.iter().map(|field| self.value(*field)).collect();
         // what is read was read
         for (array, numbers) in arrays.into_iter().enumerate() {
-            self.store_all(places.result(array), &numbers);
+            self.store_all(self.frame, places.result(array), &numbers);
         }
-        self.store_all(first, &record);
+        self.store_all(self.frame, first, &record);
         self.builder.ins().return_(&[]);
     }
 
@@ -109,13 +109,18 @@ impl<'a, 'f> Emitter<'a, 'f> {
         }
     }
 
-    /// Lets values be read where they are needed.
-    pub(super) fn bind_frame(&mut self, values: &[Option<Value>], first: usize) {
+    /// Lets values be read from memory where they are needed.
+    pub(super) fn bind_memory(&mut self, values: &[Option<Value>], address: ir::Value, first: usize) {
         for (value, place) in values.iter().zip(first..) {
             if let Some(value) = value {
-                self.know(*value, Known::InFrame(place));
+                self.know(*value, Known::InMemory(address, place));
             }
         }
+    }
+
+    /// Knows none of so many values any more.
+    pub(super) fn forget(&mut self, places: usize) {
+        self.values = vec![None; places];
     }
 
     fn know(&mut self, value: Value, known: Known) {
@@ -125,8 +130,8 @@ impl<'a, 'f> Emitter<'a, 'f> {
     pub(super) fn value(&mut self, value: Value) -> ir::Value {
         match self.values[value.number()] {
             Some(Known::Computed(computed)) => computed,
-            Some(Known::InFrame(place)) => {
-                let read = self.load(place);
+            Some(Known::InMemory(address, place)) => {
+                let read = self.load(address, place);
                 self.know(value, Known::Computed(read));
                 read
             }
@@ -149,15 +154,21 @@ impl<'a, 'f> Emitter<'a, 'f> {
         MemFlagsData::new().with_notrap()
     }
 
-    pub(super) fn load(&mut self, place: usize) -> ir::Value {
-        let (ty, frame, offset) = (self.ty(), self.frame, self.offset(place));
-        self.builder.ins().load(ty, Self::memory(), frame, offset)
+    /// The same, of what is not written to as long as it is read through this address: it is read where it is needed.
+    pub(super) fn lasting() -> MemFlagsData {
+        Self::memory().with_readonly().with_can_move()
     }
 
-    pub(super) fn store_all(&mut self, first: usize, numbers: &[ir::Value]) {
+    /// A number that lasts, or is read before anything is written.
+    pub(super) fn load(&mut self, address: ir::Value, place: usize) -> ir::Value {
+        let (ty, offset) = (self.ty(), self.offset(place));
+        self.builder.ins().load(ty, Self::lasting(), address, offset)
+    }
+
+    pub(super) fn store_all(&mut self, address: ir::Value, first: usize, numbers: &[ir::Value]) {
         for (number, place) in numbers.iter().zip(first..) {
-            let (frame, offset) = (self.frame, self.offset(place));
-            self.builder.ins().store(Self::memory(), *number, frame, offset);
+            let offset = self.offset(place);
+            self.builder.ins().store(Self::memory(), *number, address, offset);
         }
     }
 

@@ -12,18 +12,14 @@ use cranelift_module::{FuncId, ModuleResult};
 use super::Compiler;
 use super::emit::{Arrays, Emitter};
 
-/// The function, if there is a fast path.
-pub(super) fn defined(
-    compiler: &mut Compiler,
-    step: &StepProgram,
-    layout: &Layout,
-) -> ModuleResult<Option<FuncId>> {
-    let has_path = layout.unknown.is_empty() || step.module.function(StepRole::FixedPointUpdate).is_some();
-    if !has_path {
-        return Ok(None);
-    }
-    let define = |emitter: &mut Emitter<'_, '_>| March::new(emitter, step, layout).all();
-    compiler.define(step.module.values.places(), define).map(Some)
+/// Whether there is a fast path.
+pub(super) fn has_path(step: &StepProgram, layout: &Layout) -> bool {
+    layout.unknown.is_empty() || step.module.function(StepRole::FixedPointUpdate).is_some()
+}
+
+/// The function of these stages, each of which has a fast path.
+pub(super) fn defined(compiler: &mut Compiler, stages: &[(&StepProgram, &Layout)]) -> ModuleResult<FuncId> {
+    compiler.define(0, |emitter| March { e: emitter, stages: Vec::new() }.all(stages))
 }
 
 /// How many solutions are remembered: a power of two.
@@ -49,18 +45,29 @@ macro_rules! field {
 /// What is written.
 struct March<'a, 'e, 'f> {
     e: &'a mut Emitter<'e, 'f>,
+    stages: Vec<Stage<'a>>,
+}
+
+/// A stage.
+struct Stage<'a> {
     step: &'a StepProgram,
     layout: &'a Layout,
     /// The address of what there is to go on from.
     marching: ir::Value,
+    /// Those of the frame, for what is written to it and for what is only read, and of the remembered solutions.
+    frame: ir::Value,
+    constant: ir::Value,
     ring: ir::Value,
+    /// Where it puts where the solutions point.
+    next: ir::Value,
+    tolerance: ir::Value,
     /// What functions are given.
     given: Given,
 }
 
 #[derive(Default)]
 struct Given {
-    state: Vec<ir::Value>,
+    state: State,
     time: Vec<ir::Value>,
     unknown: Vec<ir::Value>,
     residual: Vec<ir::Value>,
@@ -69,153 +76,322 @@ struct Given {
     iterate: Vec<ir::Value>,
 }
 
-/// What is carried from step to step: parameters of a block.
-struct Carried {
-    /// Steps taken.
-    steps: ir::Value,
+/// A state: numbers, or from this address on.
+#[derive(Clone)]
+enum State {
+    Numbers(Vec<ir::Value>),
+    At(ir::Value),
+}
+
+impl Default for State {
+    fn default() -> Self {
+        Self::Numbers(Vec::new())
+    }
+}
+
+/// What a stage remembers, as it is carried from step to step: parameters of a block.
+#[derive(Clone)]
+struct Remembered {
     /// The place of the oldest solution.
     oldest: ir::Value,
-    /// Iterations more than one a step: all, and in one at most.
-    more: [ir::Value; 2],
-    state: Vec<ir::Value>,
+    /// Iterations more than one a step: all, and in one at most. Of Newton's method.
+    more: Vec<ir::Value>,
     /// Where the solutions point.
     next: Vec<ir::Value>,
 }
 
-impl<'a, 'e, 'f> March<'a, 'e, 'f> {
-    fn new(e: &'a mut Emitter<'e, 'f>, step: &'a StepProgram, layout: &'a Layout) -> Self {
-        let marching = e.frame;
-        Self { e, step, layout, marching, ring: marching, given: Given::default() }
+impl Remembered {
+    fn all(&self) -> impl Iterator<Item = ir::Value> + '_ {
+        std::iter::once(self.oldest).chain(self.more.iter().chain(&self.next).copied())
     }
+}
 
-    fn get(&mut self, ty: ir::Type, offset: i32) -> ir::Value {
-        let marching = self.marching;
+/// What is carried from step to step.
+#[derive(Clone)]
+struct Carried {
+    /// Steps taken.
+    steps: ir::Value,
+    /// The address of the state, and where the next one goes.
+    at: ir::Value,
+    to: ir::Value,
+    /// Zero, always: nobody knows, so that what is read where it is needed is not read once and kept for all steps.
+    nothing: ir::Value,
+    stages: Vec<Remembered>,
+}
+
+impl Carried {
+    fn all(&self) -> Vec<BlockArg> {
+        let first = [self.steps, self.at, self.to, self.nothing];
+        first.into_iter().chain(self.stages.iter().flat_map(Remembered::all)).map(BlockArg::from).collect()
+    }
+}
+
+/// Where a march ends: with so many steps, a stage that is left, the address of the state, and what is remembered.
+struct Exit {
+    block: Block,
+    steps: ir::Value,
+    halted: ir::Value,
+    at: ir::Value,
+    stages: Vec<Remembered>,
+}
+
+impl<'a> March<'a, '_, '_> {
+    fn get(&mut self, stage: usize, ty: ir::Type, offset: i32) -> ir::Value {
+        let marching = self.stages[stage].marching;
         self.e.builder.ins().load(ty, Emitter::memory(), marching, offset)
     }
 
-    fn put(&mut self, offset: i32, value: ir::Value) {
-        let marching = self.marching;
+    fn put(&mut self, stage: usize, offset: i32, value: ir::Value) {
+        let marching = self.stages[stage].marching;
         self.e.builder.ins().store(Emitter::memory(), value, marching, offset);
     }
 
-    fn all(mut self) {
-        let (pointer, unknowns) = (self.e.pointer, self.layout.unknown.len());
-        self.e.frame = self.get(pointer, field!(frame));
-        self.ring = self.get(pointer, field!(ring));
-        let next = self.get(pointer, field!(next));
-        let [tolerance, start, length] =
-            [field!(tolerance), field!(start), field!(step)].map(|at| self.get(types::F64, at));
-        let [taken, most, oldest] =
-            [field!(taken), field!(most), field!(oldest)].map(|at| self.get(types::I64, at));
-        let [head, body, exit] = std::array::from_fn(|_| self.e.builder.create_block());
+    fn all(mut self, stages: &[(&'a StepProgram, &'a Layout)]) {
+        let pointer = self.e.pointer;
+        let first = self.e.frame;
+        for (place, (step, layout)) in stages.iter().enumerate() {
+            let offset = (place * size_of::<Marching>()) as i64;
+            let marching = self.e.builder.ins().iadd_imm_s(first, offset);
+            let (frame, given) = (first, Given::default());
+            let [constant, ring, next, tolerance] = [frame; 4];
+            self.stages.push(Stage { step, layout, marching, frame, constant, ring, next, tolerance, given });
+            let [frame, ring, next] =
+                [field!(frame), field!(ring), field!(next)].map(|at| self.get(place, pointer, at));
+            let tolerance = self.get(place, types::F64, field!(tolerance));
+            let stage = &mut self.stages[place];
+            (stage.frame, stage.ring, stage.next, stage.tolerance) = (frame, ring, next, tolerance);
+        }
+        let [start, length] = [field!(start), field!(step)].map(|at| self.get(0, types::F64, at));
+        let [taken, most] = [field!(taken), field!(most)].map(|at| self.get(0, types::I64, at));
+        let nothing = self.get(0, pointer, field!(has_first));
         let zero = self.e.builder.ins().iconst(types::I64, 0);
-        let state: Vec<_> = self.layout.state.clone().map(|place| self.e.load(place)).collect();
-        let ahead: Vec<_> = (0..unknowns).map(|i| self.read(types::F64, next, i)).collect();
+        let layout = self.stages[0].layout;
+        let [at, to] =
+            [layout.state.start, layout.next.start].map(|place| self.address(self.stages[0].frame, place));
+        let carried = Carried {
+            steps: zero,
+            at,
+            to,
+            nothing,
+            stages: (0..stages.len()).map(|stage| self.remembered(stage)).collect(),
+        };
+        let [head, body] = std::array::from_fn(|_| self.e.builder.create_block());
+        let exit = self.exit(&carried);
         // controls that are not finite are left to the solver, which says so
-        let controls: Vec<_> = self.layout.control.clone().map(|place| self.e.load(place)).collect();
-        let first = Carried { steps: zero, oldest, more: [zero; 2], state, next: ahead };
-        let carried = self.carried(head, first.state.len());
+        let frame = self.stages[0].frame;
+        let controls: Vec<_> = layout.control.clone().map(|place| self.e.load(frame, place)).collect();
         match self.are_finite(&controls) {
-            None => self.go_on(head, &first),
-            Some(are_finite) => {
-                let [good, bad] = std::array::from_fn(|_| self.e.builder.create_block());
-                self.e.builder.ins().brif(are_finite, good, &[], bad, &[]);
-                self.e.builder.switch_to_block(bad);
-                self.e.builder.ins().return_(&[]);
-                self.e.builder.switch_to_block(good);
-                self.go_on(head, &first);
+            None => _ = self.e.builder.ins().jump(head, &carried.all()),
+            Some(good) => {
+                let halt = self.leave(&exit, &carried, 0);
+                self.e.builder.ins().brif(good, head, &carried.all(), exit.block, &halt);
             }
         }
 
+        let mut carried = self.carried(head, &carried);
         self.e.builder.switch_to_block(head);
         let is_more = self.e.builder.ins().icmp(IntCC::UnsignedLessThan, carried.steps, most);
-        self.e.builder.ins().brif(is_more, body, &[], exit, &[]);
+        let done = self.leave(&exit, &carried, 0);
+        self.e.builder.ins().brif(is_more, body, &[], exit.block, &done);
 
         self.e.builder.switch_to_block(body);
         let now = self.e.builder.ins().iadd(taken, carried.steps);
         let now = self.e.builder.ins().fcvt_from_uint(types::F64, now);
         let since = self.e.builder.ins().fmul(now, length);
-        self.given.time = vec![self.e.builder.ins().fadd(start, since)];
-        self.given.state = carried.state.clone();
-        self.one_step(tolerance, head, &carried, exit);
-
-        // with what the last step that was taken led to
-        self.e.builder.switch_to_block(exit);
-        let Carried { steps, oldest, more: [more, most_more], state, next: ahead } = carried;
-        for (offset, value) in
-            [(field!(steps), steps), (field!(oldest), oldest), (field!(more), more), (field!(most_more), most_more)]
-        {
-            self.put(offset, value);
+        let mut time = self.e.builder.ins().fadd(start, since);
+        let mut state = State::At(carried.at);
+        for stage in 0..stages.len() {
+            if stage > 0 {
+                // two halves of a step
+                let half = self.e.number(0.5);
+                let half = self.e.builder.ins().fmul(half, length);
+                time = self.e.builder.ins().fadd(time, half);
+            }
+            let constant = self.e.builder.ins().iadd(self.stages[stage].frame, carried.nothing);
+            self.stages[stage].constant = constant;
+            self.stages[stage].given = Given { state: state.clone(), time: vec![time], ..Given::default() };
+            self.e.forget(self.stages[stage].step.module.values.places());
+            let next = self.stage(stage, &mut carried, &exit);
+            state = State::Numbers(next);
         }
-        self.e.store_all(self.layout.state.start, &state);
-        ahead.iter().enumerate().for_each(|(i, value)| self.write(next, i, *value));
+        if let State::Numbers(next) = state {
+            self.e.store_all(carried.to, 0, &next);
+        }
+        let first_nothing = self.e.builder.ins().iadd(carried.nothing, nothing);
+        let steps = self.e.builder.ins().iadd_imm_s(carried.steps, 1);
+        let again =
+            Carried { steps, at: carried.to, to: carried.at, nothing: first_nothing, ..carried };
+        self.e.builder.ins().jump(head, &again.all());
+        self.end(&exit);
+    }
+
+    /// The address of a place in a frame.
+    fn address(&mut self, frame: ir::Value, place: usize) -> ir::Value {
+        self.e.builder.ins().iadd_imm_s(frame, (place * size_of::<f64>()) as i64)
+    }
+
+    /// What a stage remembers at first.
+    fn remembered(&mut self, stage: usize) -> Remembered {
+        let (next, unknowns) = (self.stages[stage].next, self.stages[stage].layout.unknown.len());
+        let zero = self.e.builder.ins().iconst(types::I64, 0);
+        Remembered {
+            oldest: self.get(stage, types::I64, field!(oldest)),
+            more: if self.stages[stage].step.is_newton { vec![zero; 2] } else { Vec::new() },
+            next: (0..unknowns).map(|i| self.read(types::F64, next, i)).collect(),
+        }
+    }
+
+    /// Parameters of a block like these.
+    fn parameters(&mut self, block: Block, like: &[Remembered]) -> Vec<Remembered> {
+        let builder = &mut self.e.builder;
+        let mut like_this = |value: &ir::Value| {
+            let ty = builder.func.dfg.value_type(*value);
+            builder.append_block_param(block, ty)
+        };
+        let of = |remembered: &Remembered| Remembered {
+            oldest: like_this(&remembered.oldest),
+            more: remembered.more.iter().map(&mut like_this).collect(),
+            next: remembered.next.iter().map(&mut like_this).collect(),
+        };
+        like.iter().map(of).collect()
+    }
+
+    fn carried(&mut self, block: Block, like: &Carried) -> Carried {
+        let pointer = self.e.pointer;
+        let [steps, at, to, nothing] = [types::I64, pointer, pointer, pointer]
+            .map(|ty| self.e.builder.append_block_param(block, ty));
+        Carried { steps, at, to, nothing, stages: self.parameters(block, &like.stages) }
+    }
+
+    fn exit(&mut self, like: &Carried) -> Exit {
+        let (block, pointer) = (self.e.builder.create_block(), self.e.pointer);
+        let [steps, halted, at] =
+            [types::I64, types::I64, pointer].map(|ty| self.e.builder.append_block_param(block, ty));
+        Exit { block, steps, halted, at, stages: self.parameters(block, &like.stages) }
+    }
+
+    /// What the end is told that leaves this stage to the solver.
+    fn leave(&mut self, _: &Exit, carried: &Carried, stage: usize) -> Vec<BlockArg> {
+        let halted = self.e.builder.ins().iconst(types::I64, stage as i64);
+        let first = [carried.steps, halted, carried.at].into_iter();
+        first.chain(carried.stages.iter().flat_map(Remembered::all)).map(BlockArg::from).collect()
+    }
+
+    /// The end: all is where the solver finds it.
+    fn end(&mut self, exit: &Exit) {
+        self.e.builder.switch_to_block(exit.block);
+        self.put(0, field!(steps), exit.steps);
+        self.put(0, field!(halted), exit.halted);
+        for (stage, remembered) in exit.stages.iter().enumerate() {
+            self.put(stage, field!(oldest), remembered.oldest);
+            if let [more, most] = remembered.more[..] {
+                self.put(stage, field!(more), more);
+                self.put(stage, field!(most_more), most);
+            }
+            let next = self.stages[stage].next;
+            remembered.next.iter().enumerate().for_each(|(i, value)| self.write(next, i, *value));
+        }
+        let Stage { frame, layout, .. } = self.stages[0];
+        let state: Vec<_> = (0..layout.state.len()).map(|i| self.read(types::F64, exit.at, i)).collect();
+        self.e.store_all(frame, layout.state.start, &state);
         self.e.builder.ins().return_(&[]);
     }
 
-    /// The step that starts at what is carried, and the way to the next one, or to the end.
-    fn one_step(&mut self, tolerance: ir::Value, head: Block, carried: &Carried, exit: Block) {
-        let (is_newton, unknowns) = (self.step.is_newton, self.layout.unknown.len());
-        self.function(StepRole::Begin);
-        let mut point = carried.next.clone();
+    /// A branch that leaves a stage to the solver where the condition does not hold, after what `before` does.
+    fn check(
+        &mut self,
+        good: ir::Value,
+        stage: usize,
+        carried: &Carried,
+        exit: &Exit,
+        before: impl FnOnce(&mut Self),
+    ) {
+        let [on, halt] = std::array::from_fn(|_| self.e.builder.create_block());
+        self.e.builder.ins().brif(good, on, &[], halt, &[]);
+        self.e.builder.switch_to_block(halt);
+        self.halt(stage, carried, exit, before);
+        self.e.builder.switch_to_block(on);
+    }
+
+    fn halt(&mut self, stage: usize, carried: &Carried, exit: &Exit, before: impl FnOnce(&mut Self)) {
+        if let Some(block) = self.e.builder.current_block() {
+            self.e.builder.set_cold_block(block);
+        }
+        before(self);
+        if let State::Numbers(state) = self.stages[stage].given.state.clone() {
+            let Stage { frame, layout, .. } = self.stages[stage];
+            self.e.store_all(frame, layout.state.start, &state);
+        }
+        let left = self.leave(exit, carried, stage);
+        self.e.builder.ins().jump(exit.block, &left);
+    }
+
+    /// The stage from its state: the next one. What it remembers is carried on.
+    fn stage(&mut self, stage: usize, carried: &mut Carried, exit: &Exit) -> Vec<ir::Value> {
+        let Stage { step, layout, frame, .. } = self.stages[stage];
+        let (is_newton, unknowns) = (step.is_newton, layout.unknown.len());
+        self.function(stage, StepRole::Begin);
+        let before = carried.stages[stage].clone();
+        let mut point = before.next.clone();
         let mut start = Vec::new();
         if is_newton {
-            start = self.function(StepRole::Start).concat();
+            start = self.function(stage, StepRole::Start).concat();
             point = self.each(&start, &point, |e, start, apart| e.builder.ins().fadd(start, apart));
         }
         let mut more = None;
-        self.given.unknown = point;
+        self.stages[stage].given.unknown = point;
         if unknowns == 0 {
-            self.function(StepRole::Evaluate);
+            self.function(stage, StepRole::Evaluate);
         } else if is_newton {
-            more = Some(self.newton(tolerance, exit));
+            more = Some(self.newton(stage, carried, exit));
         } else {
-            self.fixed_point(tolerance, exit);
+            self.fixed_point(stage, carried, exit);
         }
         // where an iteration leads to
-        let unknown = self.given.unknown.clone();
+        let unknown = self.stages[stage].given.unknown.clone();
         let mut kept = unknown.clone();
         if is_newton {
             kept = self.each(&unknown, &start, |e, unknown, start| e.builder.ins().fsub(unknown, start));
         }
-        let then = self.then(carried.oldest, &kept);
-        let next = self.function(StepRole::Finish).concat();
-        let bounded = self.step.bounded.iter().chain(std::iter::repeat(&false));
+        let then = self.then(stage, before.oldest, &kept);
+        // nobody reads it: it is computed here, for the next step waits for it
+        self.e.store_all(frame, layout.out.start, &then);
+        let next = self.function(stage, StepRole::Finish).concat();
+        let bounded = step.bounded.iter().chain(std::iter::repeat(&false));
         let unbounded: Vec<_> =
             next.iter().zip(bounded).filter(|(_, is_bounded)| !**is_bounded).map(|(x, _)| *x).collect();
         let mut checks: Vec<_> = self.are_finite(&unbounded).into_iter().collect();
-        if self.step.module.function(StepRole::Domain).is_some() {
+        if step.module.function(StepRole::Domain).is_some() {
             let zero = self.e.number(0.0);
-            for margin in self.function(StepRole::Domain).concat() {
+            for margin in self.function(stage, StepRole::Domain).concat() {
                 checks.push(self.e.builder.ins().fcmp(FloatCC::LessThan, zero, margin));
             }
         }
         if let Some(good) = checks.into_iter().reduce(|a, b| self.e.builder.ins().band(a, b)) {
-            let on = self.e.builder.create_block();
-            self.e.builder.ins().brif(good, on, &[], exit, &[]);
-            self.e.builder.switch_to_block(on);
+            self.check(good, stage, carried, exit, |_| {});
         }
-        // the step is taken
-        let mut counts = carried.more;
-        let mut oldest = carried.oldest;
+        // it is taken
+        let remembered = &mut carried.stages[stage];
+        remembered.next = then;
         if unknowns > 0 {
-            self.keep(oldest, &kept);
-            oldest = self.e.builder.ins().iadd_imm_s(oldest, 1);
+            self.keep(stage, before.oldest, &kept);
+            remembered.oldest = self.e.builder.ins().iadd_imm_s(before.oldest, 1);
         }
-        if let Some(more) = more {
+        if let (Some(more), [all, most]) = (more, &before.more[..]) {
             let pointer = self.e.pointer;
-            let solution = self.get(pointer, field!(solution));
+            let solution = self.get(stage, pointer, field!(solution));
             unknown.iter().enumerate().for_each(|(i, value)| self.write(solution, i, *value));
-            counts = [self.e.builder.ins().iadd(counts[0], more), self.e.builder.ins().umax(counts[1], more)];
+            carried.stages[stage].more =
+                vec![self.e.builder.ins().iadd(*all, more), self.e.builder.ins().umax(*most, more)];
         }
-        let steps = self.e.builder.ins().iadd_imm_s(carried.steps, 1);
-        self.go_on(head, &Carried { steps, oldest, more: counts, state: next, next: then });
+        next
     }
 
     /// One iteration, which changes the unknown by little, or the solver goes on from it.
-    fn fixed_point(&mut self, tolerance: ir::Value, exit: Block) {
-        let (point, unknown) = self.iteration();
+    fn fixed_point(&mut self, stage: usize, carried: &Carried, exit: &Exit) {
+        let (point, unknown) = self.iteration(stage);
         let mut within = None;
-        for block in self.blocks() {
+        for block in self.blocks(stage) {
             let [mut change, mut size] = [None; 2];
             for i in block {
                 let moved = self.e.builder.ins().fsub(unknown[i], point[i]);
@@ -223,7 +399,7 @@ impl<'a, 'e, 'f> March<'a, 'e, 'f> {
                 size = Some(self.and_magnitude(size, unknown[i]));
             }
             let (Some(change), Some(size)) = (change, size) else { continue };
-            let bound = self.e.builder.ins().fmul(tolerance, size);
+            let bound = self.e.builder.ins().fmul(self.stages[stage].tolerance, size);
             let is_within = self.e.builder.ins().fcmp(FloatCC::LessThanOrEqual, change, bound);
             within = Some(match within {
                 None => is_within,
@@ -231,29 +407,28 @@ impl<'a, 'e, 'f> March<'a, 'e, 'f> {
             });
         }
         if let Some(within) = within {
-            let [on, halt] = std::array::from_fn(|_| self.e.builder.create_block());
-            self.e.builder.ins().brif(within, on, &[], halt, &[]);
-            self.halt_with(halt, &unknown, exit);
-            self.e.builder.switch_to_block(on);
+            self.check(within, stage, carried, exit, |march| march.hand_on(stage, &unknown));
         }
-        self.given.unknown = unknown;
+        self.stages[stage].given.unknown = unknown;
     }
 
     /// A few iterations. How many they are more than one.
-    fn newton(&mut self, tolerance: ir::Value, exit: Block) -> ir::Value {
+    fn newton(&mut self, stage: usize, carried: &Carried, exit: &Exit) -> ir::Value {
+        let tolerance = self.stages[stage].tolerance;
+        let guess = self.stages[stage].given.unknown.clone();
         let [again, on, not_yet, halt] = std::array::from_fn(|_| self.e.builder.create_block());
         let more = self.e.builder.append_block_param(again, types::I64);
         let last = self.e.builder.append_block_param(again, types::F64);
         let point: Vec<_> =
-            self.given.unknown.iter().map(|_| self.e.builder.append_block_param(again, types::F64)).collect();
+            guess.iter().map(|_| self.e.builder.append_block_param(again, types::F64)).collect();
         let zero = self.e.builder.ins().iconst(types::I64, 0);
         let far = self.e.number(numbers::<1>("FAR")[0]);
-        let first: Vec<BlockArg> = [zero, far].iter().chain(&self.given.unknown).map(|x| (*x).into()).collect();
+        let first: Vec<BlockArg> = [zero, far].iter().chain(&guess).map(|x| (*x).into()).collect();
         self.e.builder.ins().jump(again, &first);
         self.e.builder.switch_to_block(again);
-        self.given.unknown = point;
-        let (point, unknown) = self.iteration();
-        let now = self.change(&point, &unknown);
+        self.stages[stage].given.unknown = point;
+        let (point, unknown) = self.iteration(stage);
+        let now = self.change(stage, &point, &unknown);
         let (square, bound) = {
             let left = self.e.number(numbers::<1>("LEFT")[0] * f64::EPSILON);
             (self.e.builder.ins().fmul(now, now), self.e.builder.ins().fmul(left, last))
@@ -267,93 +442,94 @@ impl<'a, 'e, 'f> March<'a, 'e, 'f> {
         let one_more = self.e.builder.ins().iadd_imm_s(more, 1);
         let next: Vec<BlockArg> = [one_more, now].iter().chain(&unknown).map(|x| (*x).into()).collect();
         self.e.builder.ins().brif(are_enough, halt, &[], again, &next);
-        self.halt_with(halt, &unknown, exit);
+        self.e.builder.switch_to_block(halt);
+        self.halt(stage, carried, exit, |march| march.hand_on(stage, &unknown));
         self.e.builder.switch_to_block(on);
-        self.given.unknown = unknown;
+        self.stages[stage].given.unknown = unknown;
         more
     }
 
-    /// Leaves the step to the solver, which goes on from this iterate.
-    fn halt_with(&mut self, block: Block, unknown: &[ir::Value], exit: Block) {
-        self.e.builder.switch_to_block(block);
-        self.e.builder.set_cold_block(block);
-        self.e.store_all(self.layout.out.start, unknown);
+    /// Gives the solver an iterate to go on from.
+    fn hand_on(&mut self, stage: usize, unknown: &[ir::Value]) {
+        let Stage { frame, layout, .. } = self.stages[stage];
+        self.e.store_all(frame, layout.out.start, unknown);
         let one = self.e.builder.ins().iconst(types::I64, 1);
-        self.put(field!(has_first), one);
-        self.e.builder.ins().jump(exit, &[]);
+        self.put(stage, field!(has_first), one);
     }
 
     /// An iteration: where it starts, and where it leads to.
-    fn iteration(&mut self) -> (Vec<ir::Value>, Vec<ir::Value>) {
-        let mut arrays = self.function(StepRole::Evaluate).into_iter();
-        self.given.residual = arrays.next().unwrap_or_default();
-        self.given.right = arrays.next().unwrap_or_default();
-        let unknown = self.function(StepRole::FixedPointUpdate).concat();
-        (self.given.unknown.clone(), unknown)
+    fn iteration(&mut self, stage: usize) -> (Vec<ir::Value>, Vec<ir::Value>) {
+        let mut arrays = self.function(stage, StepRole::Evaluate).into_iter();
+        let given = &mut self.stages[stage].given;
+        given.residual = arrays.next().unwrap_or_default();
+        given.right = arrays.next().unwrap_or_default();
+        let point = given.unknown.clone();
+        (point, self.function(stage, StepRole::FixedPointUpdate).concat())
     }
 
-    /// A function of the step, with what it is given.
-    fn function(&mut self, role: StepRole) -> Arrays {
-        let module = &self.step.module;
+    /// A function of a stage, with what it is given.
+    fn function(&mut self, stage: usize, role: StepRole) -> Arrays {
+        let Stage { step, layout, constant, given, .. } = &mut self.stages[stage];
+        let module = &step.module;
         let Some(function) = module.function(role) else { return Vec::new() };
-        let layout = self.layout;
         for argument in &function.arguments {
             let values = &argument.values;
-            let given = match argument.input {
-                Input::State => &self.given.state,
-                Input::Time => &self.given.time,
-                Input::Unknown => &self.given.unknown,
-                Input::Residual => &self.given.residual,
-                Input::Right => &self.given.right,
-                Input::Record(RecordKind::Step) => &self.given.step,
-                Input::Record(RecordKind::Iterate) => &self.given.iterate,
-                Input::Record(_) => {
-                    self.e.bind_frame(values, layout.constants.start);
-                    continue;
-                }
-                Input::Control => {
-                    self.e.bind_frame(values, layout.control.start);
-                    continue;
-                }
-                Input::Parameters => {
-                    self.e.bind_frame(values, layout.parameters.start);
-                    continue;
-                }
-                // the step size, and no more: see `InStep`
-                _ => {
-                    self.e.bind_frame(values, layout.step_size);
+            let numbers = match argument.input {
+                Input::State => match &given.state {
+                    State::Numbers(numbers) => numbers,
+                    State::At(address) => {
+                        self.e.bind_memory(values, *address, 0);
+                        continue;
+                    }
+                },
+                Input::Time => &given.time,
+                Input::Unknown => &given.unknown,
+                Input::Residual => &given.residual,
+                Input::Right => &given.right,
+                Input::Record(RecordKind::Step) => &given.step,
+                Input::Record(RecordKind::Iterate) => &given.iterate,
+                lasting => {
+                    let first = match lasting {
+                        Input::Record(_) => layout.constants.start,
+                        Input::Control => layout.control.start,
+                        Input::Parameters => layout.parameters.start,
+                        // the step size, and no more: see `InStep`
+                        _ => layout.step_size,
+                    };
+                    self.e.bind_memory(values, *constant, first);
                     continue;
                 }
             };
-            self.e.bind(values, given);
+            self.e.bind(values, numbers);
         }
         self.e.body(function);
         let results = self.e.results(function);
         if let Some(kind) = function.record {
             let fields = module.values.fields(kind).iter().map(|field| self.e.value(*field)).collect();
             match kind {
-                RecordKind::Step => self.given.step = fields,
-                _ => self.given.iterate = fields,
+                RecordKind::Step => given.step = fields,
+                _ => given.iterate = fields,
             }
         }
         results
     }
 
     /// The places of the blocks of unknowns.
-    fn blocks(&self) -> Vec<std::ops::Range<usize>> {
-        let (mut end, most) = (0_usize, self.layout.unknown.len());
+    fn blocks(&self, stage: usize) -> Vec<std::ops::Range<usize>> {
+        let Stage { step, layout, .. } = &self.stages[stage];
+        let (mut end, most) = (0_usize, layout.unknown.len());
         let range = |length: &usize| {
             let start = end;
             end = end.saturating_add(*length).min(most);
             start..end
         };
-        self.step.blocks.iter().map(range).collect()
+        step.blocks.iter().map(range).collect()
     }
 
     /// The change of the unknown, relative to what it becomes.
-    fn change(&mut self, from: &[ir::Value], to: &[ir::Value]) -> ir::Value {
+    fn change(&mut self, stage: usize, from: &[ir::Value], to: &[ir::Value]) -> ir::Value {
         let mut ratios = self.e.number(0.0);
-        for block in self.blocks() {
+        for block in self.blocks(stage) {
             let mut change = self.e.number(0.0);
             let mut size = self.e.number(f64::MIN_POSITIVE / f64::EPSILON);
             for i in block {
@@ -368,7 +544,9 @@ impl<'a, 'e, 'f> March<'a, 'e, 'f> {
     }
 
     fn and_magnitude(&mut self, sum: Option<ir::Value>, x: ir::Value) -> ir::Value {
-        let magnitude = self.e.builder.ins().fabs(x);
+        // in one instruction, where the absolute value takes three
+        let all_but_sign = self.e.number(f64::from_bits(u64::MAX >> 1));
+        let magnitude = self.e.builder.ins().band(x, all_but_sign);
         match sum {
             None => magnitude,
             Some(sum) => self.e.builder.ins().fadd(sum, magnitude),
@@ -400,23 +578,6 @@ impl<'a, 'e, 'f> March<'a, 'e, 'f> {
         a.iter().zip(b).map(|(a, b)| of(self.e, *a, *b)).collect()
     }
 
-    /// Parameters of a block for what is carried.
-    fn carried(&mut self, block: Block, states: usize) -> Carried {
-        let builder = &mut self.e.builder;
-        let [steps, oldest, more, most_more] =
-            std::array::from_fn(|_| builder.append_block_param(block, types::I64));
-        let mut numbers = |count| (0..count).map(|_| builder.append_block_param(block, types::F64)).collect();
-        let (state, next) = (numbers(states), numbers(self.layout.unknown.len()));
-        Carried { steps, oldest, more: [more, most_more], state, next }
-    }
-
-    fn go_on(&mut self, block: Block, with: &Carried) {
-        let counts = [with.steps, with.oldest, with.more[0], with.more[1]];
-        let given = counts.iter().chain(&with.state).chain(&with.next).map(|value| (*value).into());
-        let given: Vec<BlockArg> = given.collect();
-        self.e.builder.ins().jump(block, &given);
-    }
-
     fn read(&mut self, ty: ir::Type, address: ir::Value, i: usize) -> ir::Value {
         self.e.builder.ins().load(ty, Emitter::memory(), address, (i * size_of::<f64>()) as i32)
     }
@@ -426,48 +587,60 @@ impl<'a, 'e, 'f> March<'a, 'e, 'f> {
     }
 
     /// The address of the solution so many steps before the next.
-    fn row(&mut self, oldest: ir::Value, back: usize) -> ir::Value {
-        let bytes = row_length(self.layout.unknown.len()) * size_of::<f64>();
+    fn row(&mut self, stage: usize, oldest: ir::Value, back: usize) -> ir::Value {
+        let Stage { ring, layout, .. } = self.stages[stage];
+        let bytes = row_length(layout.unknown.len()) * size_of::<f64>();
         let builder = &mut self.e.builder;
-        let place = builder.ins().iadd_imm_s(oldest, (WINDOW - back) as i64);
-        let place = builder.ins().band_imm_u(place, WINDOW as i64 - 1);
-        let offset = builder.ins().imul_imm_s(place, bytes as i64);
-        builder.ins().iadd(self.ring, offset)
+        let offset = if bytes.is_power_of_two() {
+            let scaled = builder.ins().ishl_imm_u(oldest, i64::from(bytes.trailing_zeros()));
+            let offset = builder.ins().iadd_imm_s(scaled, ((WINDOW - back) * bytes) as i64);
+            builder.ins().band_imm_u(offset, (WINDOW * bytes - 1) as i64)
+        } else {
+            let place = builder.ins().iadd_imm_s(oldest, (WINDOW - back) as i64);
+            let place = builder.ins().band_imm_u(place, WINDOW as i64 - 1);
+            builder.ins().imul_imm_s(place, bytes as i64)
+        };
+        builder.ins().iadd(ring, offset)
     }
 
     /// The components of an unknown, two at a time as far as there are two.
-    fn pieces(&self) -> Vec<(usize, ir::Type)> {
-        let unknowns = self.layout.unknown.len();
+    fn pieces(&self, stage: usize) -> Vec<(usize, ir::Type)> {
+        let unknowns = self.stages[stage].layout.unknown.len();
         let type_at = |i| if i + 1 < unknowns { types::F64X2 } else { types::F64 };
         (0..unknowns).step_by(2).map(|i| (i, type_at(i))).collect()
     }
 
     /// Takes the solution of this step.
-    fn keep(&mut self, oldest: ir::Value, kept: &[ir::Value]) {
-        let row = self.row(oldest, WINDOW);
-        for (i, ty) in self.pieces() {
+    fn keep(&mut self, stage: usize, oldest: ir::Value, kept: &[ir::Value]) {
+        let row = self.row(stage, oldest, WINDOW);
+        for (i, ty) in self.pieces(stage) {
             let mut piece = kept[i];
             if ty == types::F64X2 {
-                let both = self.e.builder.ins().splat(ty, kept[i]);
-                piece = self.e.builder.ins().insertlane(both, kept[i + 1], 1);
+                let first = self.e.builder.ins().scalar_to_vector(ty, kept[i]);
+                piece = self.e.builder.ins().insertlane(first, kept[i + 1], 1);
             }
             self.write(row, i, piece);
         }
     }
 
     /// Where the solutions point, of which this is the latest.
-    fn then(&mut self, oldest: ir::Value, kept: &[ir::Value]) -> Vec<ir::Value> {
+    fn then(&mut self, stage: usize, oldest: ir::Value, kept: &[ir::Value]) -> Vec<ir::Value> {
         // a step from now the solutions are one place newer
-        let is_newton = self.step.is_newton;
+        let is_newton = self.stages[stage].step.is_newton;
         let used: Vec<usize> = match is_newton {
             true => (2..=WINDOW / 2).collect(),
             false => PAIRS.iter().flat_map(|j| [*j, WINDOW - j]).skip(1).chain([WINDOW]).collect(),
         };
-        let rows: Vec<_> = used.into_iter().map(|j| (j, self.row(oldest, j - 1))).collect();
+        let rows: Vec<_> = used.into_iter().map(|j| (j, self.row(stage, oldest, j - 1))).collect();
         let [latest] = numbers(if is_newton { "BINOMIAL" } else { "WEIGHTS" });
         let mut then = Vec::new();
-        for (i, ty) in self.pieces() {
-            let at: Vec<_> = rows.iter().map(|(j, row)| (*j, self.read(ty, *row, i))).collect();
+        for (i, ty) in self.pieces(stage) {
+            // none of them is the one that this step writes over
+            let at = |(j, row): &(usize, ir::Value)| {
+                let offset = (i * size_of::<f64>()) as i32;
+                (*j, self.e.builder.ins().load(ty, Emitter::lasting(), *row, offset))
+            };
+            let at: Vec<_> = rows.iter().map(at).collect();
             let begun = if is_newton { self.eighth(ty, &at) } else { self.earlier(ty, &at) };
             let lanes = if ty == types::F64X2 { 2 } else { 1 };
             for lane in 0..lanes {

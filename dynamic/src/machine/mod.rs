@@ -13,7 +13,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, LazyLock, OnceLock};
 
 use coadjoint::erased::dynamic::{LANES, Layout, March, Marching, StepFunction, row_length};
-use coadjoint_codegen::program::{Function, Module, Program, StepProgram, StepRole};
+use coadjoint_codegen::program::{Function, Module, Program, StepRole};
 use cranelift_codegen::ir::{self, AbiParam, Signature};
 use cranelift_codegen::isa::OwnedTargetIsa;
 use cranelift_codegen::settings::{self, Configurable};
@@ -41,7 +41,7 @@ static PROCESSOR: LazyLock<Option<OwnedTargetIsa>> = LazyLock::new(|| {
         ("enable_probestack", "true"),
         ("probestack_strategy", "inline"),
         ("unwind_info", "false"),
-        ("enable_verifier", if cfg!(debug_assertions) { "true" } else { "false" }),
+        ("enable_verifier", if std::env::var_os("JITVERIFY").is_some() { "true" } else { "false" }),
     ];
     options.iter().try_for_each(|(name, value)| flags.set(name, value)).ok()?;
     cranelift_native::builder().ok()?.finish(settings::Flags::new(flags)).ok()
@@ -99,7 +99,8 @@ impl Machine {
                 *id = Some(compiler.function(module, function, &self.layout)?);
             }
         }
-        let march = if wide { None } else { compiler.march(step, &self.layout)? };
+        let has_march = !wide && march::has_path(step, &self.layout);
+        let march = if has_march { Some(march::defined(&mut compiler, &[(step, &self.layout)])?) } else { None };
         if compiler.is_missing {
             return Ok(None);
         }
@@ -141,7 +142,7 @@ impl Machine {
         let compiled = self.compiled(false)?;
         let row = row_length(self.layout.unknown.len());
         // SAFETY: the code is part of the owner, and goes by the layout of such a frame and such rows
-        Some(unsafe { March::new(compiled.march?, [self.frame, row], compiled.clone()) })
+        Some(unsafe { March::new(compiled.march?, vec![[self.frame, row]], compiled.clone()) })
     }
 }
 
@@ -240,7 +241,10 @@ impl Compiler {
             *is_missing |= emitter.is_missing;
             emitter.builder.finalize(config);
         }
+        let dump = std::env::var_os("JITDUMP").is_some();
+        context.set_disasm(dump);
         let defined = module.define_function(id, context);
+        if dump { eprintln!("=== {id}\n{}", context.compiled_code().unwrap().vcode.as_ref().unwrap()); }
         module.clear_context(context);
         defined.map(|()| id)
     }
@@ -253,9 +257,5 @@ impl Compiler {
     ) -> ModuleResult<FuncId> {
         let places = InStep { layout, module, function };
         self.define(module.values.places(), |emitter| emitter.whole(function, &places))
-    }
-
-    fn march(&mut self, step: &StepProgram, layout: &Layout) -> ModuleResult<Option<FuncId>> {
-        march::defined(self, step, layout)
     }
 }

@@ -167,7 +167,13 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     #[cfg(feature = "dynamic")]
     pub(super) fn remembered(&mut self) -> Remembered<'_, T, U> {
         let Self { ring, next, solution, oldest, .. } = self;
-        Remembered { ring, next, solution, oldest }
+        Remembered { ring, next, solution, oldest: *oldest }
+    }
+
+    /// Takes what that has led to.
+    #[cfg(feature = "dynamic")]
+    pub(super) fn marched(&mut self, oldest: u32) {
+        self.oldest = oldest;
     }
 
     /// Takes one more solution, whatever there is. Where a few of the earlier solutions predict it better than all, as where a control has jumped,

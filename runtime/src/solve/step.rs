@@ -15,7 +15,7 @@ use crate::scalar::simd::loads::{apart, apart_here, one_by_one};
 #[cfg(feature = "dynamic")]
 use crate::scalar::simd::{
     frame::Framed,
-    march::{March, Marched},
+    march::{Lent, Marched},
 };
 use crate::scalar::{Batch, Components, Mask, Scalar, Work};
 
@@ -175,21 +175,21 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
         T::dispatch(SlowPath { method: self, state: &state, time, control: &control, known, first })
     }
 
-    /// Takes steps on the fast path by machine code on this frame, up to `most`. Of a step that it leaves nothing has changed, but for a first
-    /// iteration that may have been made.
+    /// What machine code takes steps on the fast path with, on this frame, up to `most`.
     #[cfg(feature = "dynamic")]
-    pub(crate) fn march(&mut self, march: &March, frame: &mut [T::Row], clock: Clock, most: u64) -> Marched
+    pub(crate) fn lent<'a>(&'a mut self, frame: &'a mut [T::Row], clock: Clock, most: u64) -> Lent<'a>
     where
         T: Framed,
     {
-        let most = most.min(self.ready_for());
-        if most == 0 {
-            return Marched { steps: 0, more: (0, 0), has_first: false };
-        }
         let Memory { predictor, tolerance, .. } = &mut self.memory;
-        let marched = march.take(frame, predictor.remembered(), *tolerance, clock, most);
-        self.memory.took(marched.steps);
-        marched
+        Lent::new(frame, predictor.remembered(), *tolerance, clock, most)
+    }
+
+    /// Remembers what was taken so: so many steps.
+    #[cfg(feature = "dynamic")]
+    pub(crate) fn marched(&mut self, marched: &Marched, steps: u64) {
+        self.memory.predictor.marched(marched.oldest);
+        self.memory.took(steps);
     }
 
     /// The steps of a kernel that is there.

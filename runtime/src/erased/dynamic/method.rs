@@ -51,8 +51,13 @@ fn marched<T: Called, const U: usize>(
     clock: Clock,
     most: u64,
 ) -> Option<Marched> {
-    let march = march?;
-    method.kernel().0.with(|frame| Some(method.march(march, &mut frame.rows, clock, most)))
+    let (march, most) = (march?, most.min(method.ready_for()));
+    if most == 0 {
+        return None;
+    }
+    let [marched] = method.kernel().0.with(|frame| march.take([method.lent(&mut frame.rows, clock, most)]));
+    method.marched(&marched, marched.steps);
+    Some(marched)
 }
 
 impl<T: Called, const U: usize> Method<T> for DynamicMethod<T, U> {

@@ -1,8 +1,10 @@
 //! Steps that machine code takes, which was made at run time.
 #![allow(unsafe_code, reason = "nobody but who made machine code knows what it does")]
 
+use core::marker::PhantomData;
 use std::any::Any;
 use std::sync::Arc;
+use std::vec::Vec;
 
 use super::frame::Framed;
 use crate::method::Clock;
@@ -12,13 +14,14 @@ use crate::scalar::{Components, Real};
 /// How many solutions are remembered.
 pub(crate) const WINDOW: usize = 16;
 
-/// What machine code goes on from, and where it has led to.
+/// What machine code goes on from in one stage of its steps, and where it has led to.
 #[repr(C)]
 #[derive(Debug)]
 pub struct Marching {
     /// The frame.
     pub frame: *mut f64,
-    /// The solutions that are remembered, in a ring, from one to the next as many numbers as [`row_length`] says.
+    /// The solutions that are remembered, in a ring, from one to the next as many numbers as
+    /// [`row_length`](crate::erased::dynamic::row_length) says.
     pub ring: *mut f64,
     /// Where the solutions point.
     pub next: *mut f64,
@@ -38,20 +41,23 @@ pub struct Marching {
     pub oldest: u64,
     /// How many steps were taken.
     pub steps: u64,
+    /// The stage of the next step that is left to the solver, of the first stage alone.
+    pub halted: u64,
     /// Iterations more than one a step, all together.
     pub more: u64,
     /// The same in one step at most.
     pub most_more: u64,
-    /// Whether an iteration of the next step was made, which led to where results go.
+    /// Whether an iteration of the stage that is left was made, which led to where results go.
     pub has_first: u64,
 }
 
 /// Machine code that takes steps as nearly all are: what the solver's fast path does, again and again. It may leave any step to that.
 #[derive(Clone)]
 pub struct March {
+    /// It is given what there is for each stage.
     code: unsafe extern "C" fn(*mut Marching),
-    /// How many numbers frames and rows have.
-    lengths: [usize; 2],
+    /// How many numbers frames and rows have, for each stage.
+    lengths: Vec<[usize; 2]>,
     /// What the code is a part of.
     _owner: Arc<dyn Any + Send + Sync>,
 }
@@ -67,53 +73,44 @@ pub(crate) struct Remembered<'a, T, U> {
     pub(crate) ring: &'a mut [Row<T, U, 1>; WINDOW],
     pub(crate) next: &'a mut U,
     pub(crate) solution: &'a mut U,
-    pub(crate) oldest: &'a mut u32,
+    pub(crate) oldest: u32,
 }
 
-/// How a march went.
+/// What is lent to machine code for one stage.
+pub(crate) struct Lent<'a> {
+    marching: Marching,
+    lengths: [usize; 2],
+    _lent: PhantomData<&'a mut f64>,
+}
+
+/// How a stage went.
+#[derive(Clone, Copy)]
 pub(crate) struct Marched {
+    /// Steps that were taken.
     pub(crate) steps: u64,
+    /// The place of the oldest solution.
+    pub(crate) oldest: u32,
+    /// The stage of the next step that is left to the solver.
+    pub(crate) halted: usize,
     /// Iterations more than one a step, all together, and in one step at most.
     pub(crate) more: (u64, u32),
-    /// Whether an iteration of the next step was made, which led to where results go.
+    /// Whether an iteration of the stage that is left was made, which led to where results go.
     pub(crate) has_first: bool,
 }
 
-/// How many numbers there are from one solution that is remembered to the next, with room for so many unknowns.
-pub(crate) const fn row_length<const U: usize>() -> usize {
-    size_of::<Row<f64, [f64; U], 1>>() / size_of::<f64>()
-}
-
-impl March {
-    /// Code for frames and rows of so many numbers, of a step whose unknowns there is room for in these.
-    ///
-    /// # Safety
-    /// The code is there as long as the owner is. It reads and writes what it is given, and no more: a frame, a ring of 16 rows, and two unknowns.
-    pub unsafe fn new(
-        code: unsafe extern "C" fn(*mut Marching),
-        lengths: [usize; 2],
-        owner: Arc<dyn Any + Send + Sync>,
-    ) -> Self {
-        Self { code, lengths, _owner: owner }
-    }
-
-    /// Takes steps from the state in a frame on, up to `most`.
-    pub(crate) fn take<T: Framed, U: Components<T>>(
-        &self,
-        frame: &mut [T::Row],
-        remembered: Remembered<'_, T, U>,
+impl<'a> Lent<'a> {
+    /// For up to so many steps from the state in a frame on.
+    pub(crate) fn new<T: Framed, U: Components<T>>(
+        frame: &'a mut [T::Row],
+        remembered: Remembered<'a, T, U>,
         tolerance: T,
         clock: Clock,
         most: u64,
-    ) -> Marched {
-        let row = size_of::<Row<T, U, 1>>() / size_of::<f64>();
-        // one double: there are no others of one lane
-        if T::LANES > 1 || self.lengths != [frame.len(), row] {
-            return Marched { steps: 0, more: (0, 0), has_first: false };
-        }
+    ) -> Self {
         let Remembered { ring, next, solution, oldest } = remembered;
-        let mut marching = Marching {
-            frame: frame.as_mut_ptr().cast(),
+        // one double: there are no others of one lane
+        let row = if T::LANES == 1 { size_of::<Row<T, U, 1>>() / size_of::<f64>() } else { usize::MAX };
+        let marching = Marching {
             ring: ring.as_mut_ptr().cast(),
             next: next.as_mut().as_mut_ptr().cast(),
             solution: solution.as_mut().as_mut_ptr().cast(),
@@ -122,16 +119,52 @@ impl March {
             step: clock.step,
             taken: clock.taken,
             most,
-            oldest: (*oldest).into(),
+            oldest: oldest.into(),
             steps: 0,
+            halted: 0,
             more: 0,
             most_more: 0,
             has_first: 0,
+            frame: frame.as_mut_ptr().cast(),
         };
-        // SAFETY: all of it is lent to this call, and as long as the code expects
-        unsafe { (self.code)(&raw mut marching) };
-        *oldest = marching.oldest as u32;
-        let more = (marching.more, marching.most_more as u32);
-        Marched { steps: marching.steps, more, has_first: marching.has_first != 0 }
+        Self { marching, lengths: [frame.len(), row], _lent: PhantomData }
+    }
+}
+
+/// How many numbers there are from one solution that is remembered to the next, with room for so many unknowns.
+pub(crate) const fn row_length<const U: usize>() -> usize {
+    size_of::<Row<f64, [f64; U], 1>>() / size_of::<f64>()
+}
+
+impl March {
+    /// Code for steps of so many stages, each with how many numbers its frame and its rows have, with room for its unknowns.
+    ///
+    /// # Safety
+    /// The code is there as long as the owner is. Of each stage it reads and writes what it is given, and no more: a frame, a ring of 16 rows, and two
+    /// unknowns.
+    pub unsafe fn new(
+        code: unsafe extern "C" fn(*mut Marching),
+        lengths: Vec<[usize; 2]>,
+        owner: Arc<dyn Any + Send + Sync>,
+    ) -> Self {
+        Self { code, lengths, _owner: owner }
+    }
+
+    /// Takes steps.
+    pub(crate) fn take<const N: usize>(&self, lent: [Lent<'_>; N]) -> [Marched; N] {
+        let are_right = self.lengths.iter().eq(lent.iter().map(|lent| &lent.lengths));
+        let mut all = lent.map(|lent| lent.marching);
+        if are_right {
+            // SAFETY: what the pointers lead to is lent to this call, and as long as the code expects
+            unsafe { (self.code)(all.as_mut_ptr()) };
+        }
+        let [steps, halted] = all.first().map_or([0; 2], |first| [first.steps, first.halted]);
+        all.map(|marching| Marched {
+            steps,
+            halted: halted as usize,
+            oldest: marching.oldest as u32,
+            more: (marching.more, marching.most_more as u32),
+            has_first: marching.has_first != 0,
+        })
     }
 }
