@@ -150,8 +150,13 @@ impl StepFunctions for Functions {
     }
 
     #[cfg(feature = "jit")]
-    fn march(&self) -> Option<March> {
-        self.machine.as_ref()?.march()
+    fn has_march(&self) -> bool {
+        self.machine.as_ref().is_some_and(crate::machine::Machine::has_march)
+    }
+
+    #[cfg(feature = "jit")]
+    fn march(&self, then: Option<usize>) -> Option<March> {
+        self.machine.as_ref()?.march(then)
     }
 }
 
@@ -204,20 +209,25 @@ impl Places for InStep<'_> {
     }
 }
 
-fn step(program: &Arc<Program>, place: usize, interpreted: bool) -> Step {
-    let (interface, all, program): (&Interface, _, &StepProgram) = (&program.interface, program, &program.steps[place]);
-    let module = &program.module;
-    let unknown = module.function(StepRole::Evaluate).map_or(0, |evaluate| evaluate.length(Input::Unknown));
+/// Where a step's numbers are.
+pub(crate) fn layout(interface: &Interface, step: &StepProgram) -> Layout {
+    let module = &step.module;
     let fields = |kind| module.values.fields(kind).len();
-    let layout = Layout::new(&Lengths {
+    Layout::new(&Lengths {
         parameters: interface.parameter_length(),
         state: interface.state_length(),
         control: interface.control_length(),
-        unknown,
+        unknown: module.function(StepRole::Evaluate).map_or(0, |evaluate| evaluate.length(Input::Unknown)),
         constants: fields(RecordKind::Constants),
         step: fields(RecordKind::Step),
         iterate: fields(RecordKind::Iterate),
-    });
+    })
+}
+
+fn step(program: &Arc<Program>, place: usize, interpreted: bool) -> Step {
+    let (interface, all, program): (&Interface, _, &StepProgram) = (&program.interface, program, &program.steps[place]);
+    let module = &program.module;
+    let layout = self::layout(interface, program);
     let mut frame = Frame::new(layout.scratch);
     let code = FUNCTIONS.map(|(_, role)| match module.function(role) {
         Some(function) => assembled(function, &InStep { layout: &layout, module, function }, &mut frame),
@@ -228,7 +238,7 @@ fn step(program: &Arc<Program>, place: usize, interpreted: bool) -> Step {
         interpreted: code,
         #[cfg(feature = "jit")]
         machine: (!interpreted)
-            .then(|| crate::machine::Machine::new(all.clone(), place, layout.clone(), frame.len())),
+            .then(|| crate::machine::Machine::new(all.clone(), place, layout.clone())),
     };
     let schemes = std::iter::once(&program.scheme).chain(&program.aliases);
     let mut bytes = bytes::functions(module);

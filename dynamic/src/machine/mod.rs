@@ -10,7 +10,7 @@ mod march;
 mod outside;
 
 use std::collections::HashMap;
-use std::sync::{Arc, LazyLock, OnceLock};
+use std::sync::{Arc, LazyLock, Mutex, OnceLock, PoisonError};
 
 use coadjoint::erased::dynamic::{LANES, Layout, March, Marching, StepFunction, row_length};
 use coadjoint_codegen::program::{Function, Module, Program, StepRole};
@@ -24,7 +24,7 @@ use cranelift_module::{FuncId, Linkage, Module as _, ModuleResult, default_libca
 use self::emit::Emitter;
 use self::outside::Outside;
 use crate::STACK;
-use crate::definition::{FUNCTIONS, InStep};
+use crate::definition::{FUNCTIONS, InStep, layout};
 
 /// A function of a frame.
 type Call = unsafe extern "C" fn(*mut f64);
@@ -48,7 +48,7 @@ static PROCESSOR: LazyLock<Option<OwnedTargetIsa>> = LazyLock::new(|| {
 });
 
 /// Whether machine code can be made.
-pub(crate) fn is_here() -> bool {
+fn is_here() -> bool {
     PROCESSOR.is_some()
 }
 
@@ -58,92 +58,124 @@ pub(crate) struct Machine {
     /// Which of its steps it is.
     place: usize,
     layout: Layout,
-    /// How many numbers a frame has.
-    frame: usize,
-    alone: OnceLock<Option<Arc<Compiled>>>,
-    wide: OnceLock<Option<Arc<Compiled>>>,
+    /// Those that nearly all steps need, and the others, for one frame and for two.
+    functions: [[OnceLock<Option<Functions>>; 2]; 2],
+    /// What takes many steps at a time, of this one alone or of this one and another one.
+    marches: Mutex<HashMap<Option<usize>, Option<March>>>,
 }
 
-/// What is compiled.
-struct Compiled {
-    functions: [Option<Call>; 8],
-    march: Option<unsafe extern "C" fn(*mut Marching)>,
+/// Functions that are compiled.
+struct Functions {
+    calls: [Option<Call>; 8],
     _code: Code,
 }
 
 impl Machine {
-    pub(crate) fn new(program: Arc<Program>, place: usize, layout: Layout, frame: usize) -> Self {
-        Self { program, place, layout, frame, alone: OnceLock::new(), wide: OnceLock::new() }
+    pub(crate) fn new(program: Arc<Program>, place: usize, layout: Layout) -> Self {
+        Self { program, place, layout, functions: Default::default(), marches: Mutex::default() }
     }
 
-    fn compiled(&self, wide: bool) -> Option<&Arc<Compiled>> {
-        let of = if wide { &self.wide } else { &self.alone };
-        let compiled = of.get_or_init(|| {
-            // with as much stack as what derived it
-            std::thread::scope(|scope| {
-                let thread = std::thread::Builder::new().name("machine code".to_owned()).stack_size(STACK);
-                let thread = thread.spawn_scoped(scope, || self.compile(wide).ok().flatten());
-                thread.ok()?.join().ok()?.map(Arc::new)
-            })
-        });
-        compiled.as_ref()
-    }
-
-    fn compile(&self, wide: bool) -> ModuleResult<Option<Compiled>> {
-        let (Some(processor), Some(step)) = (&*PROCESSOR, self.program.steps.get(self.place)) else { return Ok(None) };
-        let mut compiler = Compiler::new(processor.clone(), wide);
-        let module = &step.module;
-        let mut ids = [None; 8];
-        for (id, (_, role)) in ids.iter_mut().zip(FUNCTIONS) {
-            if let Some(function) = module.function(role) {
-                *id = Some(compiler.function(module, function, &self.layout)?);
+    /// The functions of which this is one.
+    fn functions(&self, function: StepFunction, wide: bool) -> Option<&Functions> {
+        let step = self.program.steps.get(self.place)?;
+        let is_rare = |function| function == StepFunction::Correction && march::has_path(step, &self.layout);
+        let rare = is_rare(function);
+        let compile = |compiler: &mut Compiler| {
+            let mut ids = [None; 8];
+            for (id, (function, role)) in ids.iter_mut().zip(FUNCTIONS) {
+                let code = step.module.function(role).filter(|_| is_rare(function) == rare);
+                *id = code.map(|code| compiler.function(&step.module, code, &self.layout)).transpose()?;
             }
-        }
-        let has_march = !wide && march::has_path(step, &self.layout);
-        let march = if has_march { Some(march::defined(&mut compiler, &[(step, &self.layout)])?) } else { None };
-        if compiler.is_missing {
-            return Ok(None);
-        }
-        compiler.code.module().finalize_definitions()?;
-        let code = compiler.code;
-        // SAFETY: they were compiled with these signatures
-        let functions = ids.map(|id| id.map(|id| unsafe { std::mem::transmute::<*const u8, Call>(code.address(id)) }));
-        let march = march.map(|id| unsafe {
-            std::mem::transmute::<*const u8, unsafe extern "C" fn(*mut Marching)>(code.address(id))
+            Ok(ids)
+        };
+        let made = self.functions[usize::from(wide)][usize::from(rare)].get_or_init(|| {
+            let (ids, code) = compiled(wide, compile)?;
+            // SAFETY: they were compiled with this signature
+            let call = |id| unsafe { std::mem::transmute::<*const u8, Call>(code.address(id)) };
+            Some(Functions { calls: ids.map(|id| id.map(call)), _code: code })
         });
-        Ok(Some(Compiled { functions, march, _code: code }))
+        made.as_ref()
     }
 
     /// Calls a function on a frame, if there is code for it.
     pub(crate) fn call(&self, function: StepFunction, frame: &mut [f64]) -> bool {
-        let Some(compiled) = self.compiled(false).filter(|_| frame.len() == self.frame) else { return false };
-        if let Some(function) = compiled.functions[function as usize] {
-            // SAFETY: it reads and writes places of a frame of this length
-            unsafe { function(frame.as_mut_ptr()) };
+        let Some(functions) = self.functions(function, false) else { return false };
+        if frame.len() < self.layout.scratch {
+            return false;
+        }
+        if let Some(call) = functions.calls[function as usize] {
+            // SAFETY: it reads and writes places of the layout alone
+            unsafe { call(frame.as_mut_ptr()) };
         }
         true
     }
 
     /// The same on frames side by side, two at a time.
     pub(crate) fn call_wide(&self, function: StepFunction, frame: &mut [[f64; LANES]]) -> bool {
-        let Some(compiled) = self.compiled(true).filter(|_| frame.len() == self.frame) else { return false };
-        if let Some(function) = compiled.functions[function as usize] {
+        let Some(functions) = self.functions(function, true) else { return false };
+        if frame.len() < self.layout.scratch {
+            return false;
+        }
+        if let Some(call) = functions.calls[function as usize] {
             let first: *mut f64 = frame.as_mut_ptr().cast();
             for pair in 0..LANES / 2 {
-                // SAFETY: it reads and writes two lanes of each place of a frame of this length
-                unsafe { function(first.add(2 * pair)) };
+                // SAFETY: it reads and writes two lanes of places of the layout alone
+                unsafe { call(first.add(2 * pair)) };
             }
         }
         true
     }
 
-    /// What takes many steps at a time.
-    pub(crate) fn march(&self) -> Option<March> {
-        let compiled = self.compiled(false)?;
-        let row = row_length(self.layout.unknown.len());
-        // SAFETY: the code is part of the owner, and goes by the layout of such a frame and such rows
-        Some(unsafe { March::new(compiled.march?, vec![[self.frame, row]], compiled.clone()) })
+    /// Whether there may be what takes many steps at a time.
+    pub(crate) fn has_march(&self) -> bool {
+        let step = self.program.steps.get(self.place);
+        is_here() && step.is_some_and(|step| march::has_path(step, &self.layout))
     }
+
+    /// What takes many steps at a time.
+    pub(crate) fn march(&self, then: Option<usize>) -> Option<March> {
+        let mut marches = self.marches.lock().unwrap_or_else(PoisonError::into_inner);
+        marches.entry(then).or_insert_with(|| self.marching(then)).clone()
+    }
+
+    fn marching(&self, then: Option<usize>) -> Option<March> {
+        let places = std::iter::once(self.place).chain(then);
+        let steps = places.map(|place| self.program.steps.get(place)).collect::<Option<Vec<_>>>()?;
+        let layouts: Vec<Layout> = steps.iter().map(|step| layout(&self.program.interface, step)).collect();
+        let stages: Vec<_> = steps.into_iter().zip(&layouts).collect();
+        if !stages.iter().all(|(step, layout)| march::has_path(step, layout)) {
+            return None;
+        }
+        let (id, code) = compiled(false, |compiler| march::defined(compiler, &stages))?;
+        // SAFETY: it was compiled with this signature
+        let call = unsafe {
+            std::mem::transmute::<*const u8, unsafe extern "C" fn(*mut Marching)>(code.address(id))
+        };
+        let lengths = layouts.iter().map(|layout| [layout.scratch, row_length(layout.unknown.len())]);
+        // SAFETY: the code is the owner, and goes by the layouts of such frames and such rows
+        Some(unsafe { March::new(call, lengths.collect(), Arc::new(code)) })
+    }
+}
+
+/// What is compiled with as much stack as what derived it; none if it cannot be.
+fn compiled<R: Send>(
+    wide: bool,
+    compile: impl FnOnce(&mut Compiler) -> ModuleResult<R> + Send,
+) -> Option<(R, Code)> {
+    let processor = PROCESSOR.clone()?;
+    let all = || {
+        let mut compiler = Compiler::new(processor, wide);
+        let made = compile(&mut compiler).ok()?;
+        if compiler.is_missing {
+            return None;
+        }
+        compiler.code.module().finalize_definitions().ok()?;
+        Some((made, compiler.code))
+    };
+    std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new().name("machine code".to_owned()).stack_size(STACK);
+        thread.spawn_scoped(scope, all).ok()?.join().ok()?
+    })
 }
 
 /// Code in memory, which is freed with it.
@@ -167,7 +199,7 @@ impl Code {
 impl Drop for Code {
     fn drop(&mut self) {
         if let Some(module) = self.0.take() {
-            // SAFETY: who could call it has it no longer: `Compiled` has its addresses, and is what marches keep
+            // SAFETY: whoever has addresses of it, functions or marches, has it too
             unsafe { module.free_memory() };
         }
     }

@@ -147,8 +147,8 @@ struct HeavyTop {
 #[test]
 fn there_is_machine_code_that_takes_many_steps() {
     let model = Model::from_text(TOP).unwrap();
-    assert!(model.definition().steps.iter().all(|step| step.functions.march().is_some()));
-    assert!(model.interpreted().definition().steps.iter().all(|step| step.functions.march().is_none()));
+    assert!(model.definition().steps.iter().all(|step| step.functions.march(None).is_some()));
+    assert!(model.interpreted().definition().steps.iter().all(|step| step.functions.march(None).is_none()));
     // each of the ways of one iteration, and of several
     for (scheme, step) in [("Cayley", 0.01), ("Exponential", 0.01), ("Exponential", 0.3), ("Cayley", 0.3)] {
         assert!(Motion::some(&model, scheme, step).check(&model, 5_000), "{scheme}");

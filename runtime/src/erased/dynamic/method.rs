@@ -31,62 +31,56 @@ impl<T: Called> OfKernel<T> for OfMethod<'_, T> {
     type Made = Box<dyn Method<T>>;
 
     fn made<const U: usize>(self, step: &Arc<Step>) -> Box<dyn Method<T>> {
-        let frame = Frame::new(step, self.parameters, self.length);
+        Box::new(DynamicMethod::<T, U>::new(step, self.parameters, self.length))
+    }
+}
+
+pub(super) struct DynamicMethod<T: Called, const U: usize> {
+    pub(super) step: Arc<Step>,
+    /// What takes many steps at a time, once it was asked for.
+    march: Option<Option<March>>,
+    pub(super) joined: Joined<Frame<T>, Step, OneStep<T, DynamicKernel<T, U>>>,
+}
+
+impl<T: Called, const U: usize> DynamicMethod<T, U> {
+    pub(super) fn new(step: &Arc<Step>, parameters: &[T], length: T) -> Self {
+        let frame = Frame::new(step, parameters, length);
         let joined = Joined::new(frame, step, |handle| OneStep::of(DynamicKernel::<T, U>(handle)));
-        Box::new(DynamicMethod { step: step.clone(), march: T::march(&*step.functions), joined })
-    }
-}
-
-struct DynamicMethod<T: Called, const U: usize> {
-    step: Arc<Step>,
-    /// What takes many steps at a time.
-    march: Option<March>,
-    joined: Joined<Frame<T>, Step, OneStep<T, DynamicKernel<T, U>>>,
-}
-
-/// Takes steps by machine code, if there is any, from the state in the frame on, to which the last step has led.
-fn marched<T: Called, const U: usize>(
-    march: Option<&March>,
-    method: &mut OneStep<T, DynamicKernel<T, U>>,
-    clock: Clock,
-    most: u64,
-) -> Option<Marched> {
-    let (march, most) = (march?, most.min(method.ready_for()));
-    if most == 0 {
-        return None;
-    }
-    let [marched] = method.kernel().0.with(|frame| march.take([method.lent(&mut frame.rows, clock, most)]));
-    method.marched(&marched, marched.steps);
-    Some(marched)
-}
-
-impl<T: Called, const U: usize> Method<T> for DynamicMethod<T, U> {
-    fn rebuild(&mut self, parameters: &[T], step: T) {
-        self.joined.frame().rebuild(&self.step, parameters, step);
+        Self { step: step.clone(), march: None, joined }
     }
 
-    fn advance(&mut self, state: &[T], next: &mut [T], time: T, control: &[T], known: bool) -> Counted<T> {
-        let Self { step, march, joined } = self;
-        let layout = &step.layout;
-        let frame = joined.frame();
+    /// Writes where a step starts to the frame.
+    pub(super) fn give(&mut self, state: &[T], control: &[T]) {
+        let (frame, layout) = (self.joined.frame(), &self.step.layout);
         frame.write(layout.state.clone(), state);
         frame.write(layout.control.clone(), control);
-        let mut first = None;
-        if known && let Some(marched) = marched(march.as_ref(), joined.user(), Clock::at(time), 1) {
-            let frame = joined.frame();
-            if marched.steps == 1 {
-                next.iter_mut().zip(frame.read(layout.state.clone())).for_each(|(to, number)| *to = number);
-                let (mut iterations, residual) = joined.user().on_fast_path();
-                let more = marched.more.1;
-                iterations.as_mut().iter_mut().for_each(|all| *all = all.wrapping_add(more));
-                return Ok(Advanced { state: (), iterations, residual });
-            }
-            first = marched.has_first.then(|| frame.array(layout.out.clone()));
+    }
+
+    /// Takes steps by machine code, if there is any, from the state in the frame on, to which the last step has led.
+    fn march(&mut self, clock: Clock, most: u64) -> Option<Marched> {
+        if !T::has_march(&*self.step.functions) {
+            return None;
         }
-        let method = joined.user();
-        let outcome = match first {
-            Some(_) => method.advance_farther(&[], time, &[], known, first),
-            None => method.advance(&[], time, &[], known),
+        let method = self.joined.user();
+        let most = most.min(method.ready_for());
+        if most == 0 {
+            return None;
+        }
+        let march = self.march.get_or_insert_with(|| self.step.functions.march(None)).as_ref()?;
+        let [marched] = method.kernel().0.with(|frame| march.take([method.lent(&mut frame.rows, clock, most)]));
+        method.marched(&marched, marched.steps);
+        Some(marched)
+    }
+
+    /// Takes a step from what is in the frame on, of which machine code may have made a first iteration.
+    pub(super) fn rest(&mut self, has_first: bool, time: T, known: bool, next: &mut [T]) -> Counted<T> {
+        let Self { step, joined, .. } = self;
+        let layout = &step.layout;
+        let outcome = if has_first {
+            let first = joined.frame().array(layout.out.clone());
+            joined.user().advance_farther(&[], time, &[], known, Some(first))
+        } else {
+            joined.user().advance(&[], time, &[], known)
         };
         let frame = joined.frame();
         next.iter_mut().zip(frame.read(layout.next.clone())).for_each(|(to, number)| *to = number);
@@ -99,35 +93,54 @@ impl<T: Called, const U: usize> Method<T> for DynamicMethod<T, U> {
             Failure { errors, advanced }
         })
     }
+}
+
+impl<T: Called, const U: usize> Method<T> for DynamicMethod<T, U> {
+    fn rebuild(&mut self, parameters: &[T], step: T) {
+        self.joined.frame().rebuild(&self.step, parameters, step);
+    }
+
+    fn advance(&mut self, state: &[T], next: &mut [T], time: T, control: &[T], known: bool) -> Counted<T> {
+        self.give(state, control);
+        let mut has_first = false;
+        if known && let Some(marched) = self.march(Clock::at(time), 1) {
+            if marched.steps == 1 {
+                let now = self.joined.frame().read(self.step.layout.state.clone());
+                next.iter_mut().zip(now).for_each(|(to, number)| *to = number);
+                let (mut iterations, residual) = self.joined.user().on_fast_path();
+                let more = marched.more.1;
+                iterations.as_mut().iter_mut().for_each(|all| *all = all.wrapping_add(more));
+                return Ok(Advanced { state: (), iterations, residual });
+            }
+            has_first = marched.has_first;
+        }
+        self.rest(has_first, time, known, next)
+    }
 
     fn advance_n(&mut self, state: &mut [T], clock: Clock, control: &[T], most: u64) -> StepsReport<T> {
         let mut report = StepsReport::default();
-        let Self { step, march, joined } = self;
-        if march.is_none() {
+        if !T::has_march(&*self.step.functions) {
             return report;
         }
-        let layout = &step.layout;
-        let frame = joined.frame();
-        frame.write(layout.state.clone(), state);
-        frame.write(layout.control.clone(), control);
+        self.give(state, control);
         while report.steps < most {
             let ahead = Clock { taken: clock.taken + report.steps, ..clock };
-            if let Some(marched) = marched(march.as_ref(), joined.user(), ahead, most - report.steps) {
-                let (iterations, residual) = joined.user().on_fast_path();
+            if let Some(marched) = self.march(ahead, most - report.steps) {
+                let (iterations, residual) = self.joined.user().on_fast_path();
                 report.count(marched.steps, &iterations, residual, marched.more);
                 report.steps += marched.steps;
             }
             if report.steps == most {
                 break;
             }
-            let time = T::of(clock.after(report.steps));
-            let Ok(advanced) = joined.user().advance_farther(&[], time, &[], true, None) else { break };
-            joined.frame().rows.copy_within(layout.next.clone(), layout.state.start);
+            let (time, layout) = (T::of(clock.after(report.steps)), &self.step.layout);
+            let Ok(advanced) = self.joined.user().advance_farther(&[], time, &[], true, None) else { break };
+            self.joined.frame().rows.copy_within(layout.next.clone(), layout.state.start);
             report.steps += 1;
             report.count(1, &advanced.iterations, advanced.residual, (0, 0));
         }
-        let frame = joined.frame();
-        state.iter_mut().zip(frame.read(layout.state.clone())).for_each(|(to, number)| *to = number);
+        let now = self.joined.frame().read(self.step.layout.state.clone());
+        state.iter_mut().zip(now).for_each(|(to, number)| *to = number);
         report
     }
 

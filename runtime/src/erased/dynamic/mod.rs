@@ -5,6 +5,7 @@
 
 mod kernel;
 mod method;
+mod pair;
 mod step;
 mod system;
 

@@ -36,8 +36,12 @@ pub trait StepFunctions: Send + Sync + 'static {
     fn call(&self, function: StepFunction, frame: &mut [f64]);
     /// Calls a function on several frames, number by number side by side. In each lane the result is that of the lane alone, bit for bit.
     fn call_wide(&self, function: StepFunction, frame: &mut [[f64; LANES]]);
-    /// What takes many steps at a time, as long as they are as most are, if there is machine code for it.
-    fn march(&self) -> Option<March> {
+    /// Whether there may be machine code that takes many steps at a time, as long as they are as most are.
+    fn has_march(&self) -> bool {
+        false
+    }
+    /// That code; or the code for steps that are this one and another one, in this place among all of the system, each of half the length.
+    fn march(&self, _then: Option<usize>) -> Option<March> {
         None
     }
 }
@@ -162,9 +166,9 @@ impl core::fmt::Debug for Step {
 pub(crate) trait Called: Framed {
     /// Calls a function.
     fn call(functions: &dyn StepFunctions, function: StepFunction, frame: &mut [Self::Row]);
-    /// What takes many steps at a time.
-    fn march(_functions: &dyn StepFunctions) -> Option<March> {
-        None
+    /// Whether there may be machine code that takes many steps at a time.
+    fn has_march(_functions: &dyn StepFunctions) -> bool {
+        false
     }
 }
 
@@ -173,8 +177,8 @@ impl Called for f64 {
         functions.call(function, frame);
     }
 
-    fn march(functions: &dyn StepFunctions) -> Option<March> {
-        functions.march()
+    fn has_march(functions: &dyn StepFunctions) -> bool {
+        functions.has_march()
     }
 }
 

@@ -56,7 +56,7 @@ pub struct Marching {
 pub struct March {
     /// It is given what there is for each stage.
     code: unsafe extern "C" fn(*mut Marching),
-    /// How many numbers frames and rows have, for each stage.
+    /// How many numbers frames have at least, and rows, for each stage.
     lengths: Vec<[usize; 2]>,
     /// What the code is a part of.
     _owner: Arc<dyn Any + Send + Sync>,
@@ -137,7 +137,7 @@ pub(crate) const fn row_length<const U: usize>() -> usize {
 }
 
 impl March {
-    /// Code for steps of so many stages, each with how many numbers its frame and its rows have, with room for its unknowns.
+    /// Code for steps of so many stages, each with how many numbers its frame has at least, and its rows, with room for its unknowns.
     ///
     /// # Safety
     /// The code is there as long as the owner is. Of each stage it reads and writes what it is given, and no more: a frame, a ring of 16 rows, and two
@@ -152,7 +152,9 @@ impl March {
 
     /// Takes steps.
     pub(crate) fn take<const N: usize>(&self, lent: [Lent<'_>; N]) -> [Marched; N] {
-        let are_right = self.lengths.iter().eq(lent.iter().map(|lent| &lent.lengths));
+        let mut stages = self.lengths.iter().zip(&lent);
+        let are_right = self.lengths.len() == N
+            && stages.all(|([frame, row], lent)| *frame <= lent.lengths[0] && *row == lent.lengths[1]);
         let mut all = lent.map(|lent| lent.marching);
         if are_right {
             // SAFETY: what the pointers lead to is lent to this call, and as long as the code expects
