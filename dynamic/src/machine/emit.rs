@@ -173,8 +173,14 @@ impl<'a, 'f> Emitter<'a, 'f> {
     }
 
     pub(super) fn number(&mut self, x: f64) -> ir::Value {
-        let x = self.builder.ins().f64const(x);
-        if self.wide { self.builder.ins().splat(types::F64X2, x) } else { x }
+        if !self.wide && x.to_bits() == 0 {
+            return self.builder.ins().f64const(x);
+        }
+        // read from beside the code: a number alone is put together by two instructions
+        let bytes = [x.to_le_bytes(); 2].concat();
+        let both = self.builder.func.dfg.constants.insert(bytes.into());
+        let both = self.builder.ins().vconst(types::F64X2, both);
+        if self.wide { both } else { self.builder.ins().extractlane(both, 0) }
     }
 
     /// `addend + a b`, or `addend − a b`, rounded as the library rounds it.

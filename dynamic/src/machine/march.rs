@@ -328,7 +328,7 @@ impl<'a> March<'a, '_, '_> {
 
     /// The stage from its state: the next one. What it remembers is carried on.
     fn stage(&mut self, stage: usize, carried: &mut Carried, exit: &Exit) -> Vec<ir::Value> {
-        let Stage { step, layout, frame, .. } = self.stages[stage];
+        let Stage { step, layout, .. } = self.stages[stage];
         let (is_newton, unknowns) = (step.is_newton, layout.unknown.len());
         self.function(stage, StepRole::Begin);
         let before = carried.stages[stage].clone();
@@ -353,9 +353,6 @@ impl<'a> March<'a, '_, '_> {
         if is_newton {
             kept = self.each(&unknown, &start, |e, unknown, start| e.builder.ins().fsub(unknown, start));
         }
-        let then = self.then(stage, before.oldest, &kept);
-        // nobody reads it: it is computed here, for the next step waits for it
-        self.e.store_all(frame, layout.out.start, &then);
         let next = self.function(stage, StepRole::Finish).concat();
         let bounded = step.bounded.iter().chain(std::iter::repeat(&false));
         let unbounded: Vec<_> =
@@ -370,7 +367,8 @@ impl<'a> March<'a, '_, '_> {
         if let Some(good) = checks.into_iter().reduce(|a, b| self.e.builder.ins().band(a, b)) {
             self.check(good, stage, carried, exit, |_| {});
         }
-        // it is taken
+        // it is taken; what the next step begins with waits for less than what it goes on with
+        let then = self.then(stage, before.oldest, &kept);
         let remembered = &mut carried.stages[stage];
         remembered.next = then;
         if unknowns > 0 {

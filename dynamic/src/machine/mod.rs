@@ -58,6 +58,8 @@ pub(crate) struct Machine {
     /// Which of its steps it is.
     place: usize,
     layout: Layout,
+    /// Whether there is a fast path.
+    has_path: bool,
     /// Those that nearly all steps need, and the others, for one frame and for two.
     functions: [[OnceLock<Option<Functions>>; 2]; 2],
     /// What takes many steps at a time, of this one alone or of this one and another one.
@@ -72,15 +74,16 @@ struct Functions {
 
 impl Machine {
     pub(crate) fn new(program: Arc<Program>, place: usize, layout: Layout) -> Self {
-        Self { program, place, layout, functions: Default::default(), marches: Mutex::default() }
+        let has_path = is_here() && program.steps.get(place).is_some_and(|step| march::has_path(step, &layout));
+        Self { program, place, layout, has_path, functions: Default::default(), marches: Mutex::default() }
     }
 
     /// The functions of which this is one.
     fn functions(&self, function: StepFunction, wide: bool) -> Option<&Functions> {
-        let step = self.program.steps.get(self.place)?;
-        let is_rare = |function| function == StepFunction::Correction && march::has_path(step, &self.layout);
+        let is_rare = |function| function == StepFunction::Correction && self.has_path;
         let rare = is_rare(function);
         let compile = |compiler: &mut Compiler| {
+            let step = &self.program.steps[self.place];
             let mut ids = [None; 8];
             for (id, (function, role)) in ids.iter_mut().zip(FUNCTIONS) {
                 let code = step.module.function(role).filter(|_| is_rare(function) == rare);
@@ -128,8 +131,7 @@ impl Machine {
 
     /// Whether there may be what takes many steps at a time.
     pub(crate) fn has_march(&self) -> bool {
-        let step = self.program.steps.get(self.place);
-        is_here() && step.is_some_and(|step| march::has_path(step, &self.layout))
+        self.has_path
     }
 
     /// What takes many steps at a time.

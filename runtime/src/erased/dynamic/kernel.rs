@@ -38,8 +38,10 @@ impl<T: Called> Frame<T> {
 
     /// Writes numbers to their places; what is missing is zero.
     pub(super) fn write(&mut self, to: core::ops::Range<usize>, numbers: &[T]) {
-        let numbers = numbers.iter().copied().chain(core::iter::repeat(T::of(0.0)));
-        self.rows[to].iter_mut().zip(numbers).for_each(|(row, number)| *row = number.row());
+        let rows = &mut self.rows[to];
+        let (given, missing) = rows.split_at_mut(numbers.len().min(rows.len()));
+        given.iter_mut().zip(numbers).for_each(|(row, number)| *row = number.row());
+        missing.fill(T::of(0.0).row());
     }
 
     /// Shows numbers.
