@@ -133,7 +133,14 @@ fn each(mut variants: Vec<Steps<'_>>) -> Vec<f64> {
 }
 
 /// Steps of a system from a text, in runs or one by one.
-fn erased_steps<'a>(system: Arc<dyn System>, scheme: &str, step: f64, state: &[f64], control: &'a [f64], is_run: bool) -> Steps<'a> {
+fn erased_steps<'a>(
+    system: Arc<dyn System>,
+    scheme: &str,
+    step: f64,
+    state: &[f64],
+    control: &'a [f64],
+    is_run: bool,
+) -> Steps<'a> {
     let mut stepper = erased::Stepper::new(system, &scheme.parse().unwrap(), step).unwrap();
     let mut state = state.to_vec();
     Box::new(move |count| {

@@ -225,7 +225,8 @@ pub(crate) fn layout(interface: &Interface, step: &StepProgram) -> Layout {
 }
 
 fn step(program: &Arc<Program>, place: usize, interpreted: bool) -> Step {
-    let (interface, all, program): (&Interface, _, &StepProgram) = (&program.interface, program, &program.steps[place]);
+    let (interface, all, program): (&Interface, _, &StepProgram) =
+        (&program.interface, program, &program.steps[place]);
     let module = &program.module;
     let layout = self::layout(interface, program);
     let mut frame = Frame::new(layout.scratch);
@@ -237,8 +238,7 @@ fn step(program: &Arc<Program>, place: usize, interpreted: bool) -> Step {
     let functions = Functions {
         interpreted: code,
         #[cfg(feature = "jit")]
-        machine: (!interpreted)
-            .then(|| crate::machine::Machine::new(all.clone(), place, layout.clone())),
+        machine: (!interpreted).then(|| crate::machine::Machine::new(all.clone(), place, layout.clone())),
     };
     let schemes = std::iter::once(&program.scheme).chain(&program.aliases);
     let mut bytes = bytes::functions(module);

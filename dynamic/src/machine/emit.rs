@@ -29,7 +29,7 @@ pub(super) struct Emitter<'a, 'f> {
 
 /// What is known of a value.
 #[derive(Clone, Copy)]
-enum Known {
+pub(super) enum Known {
     Computed(ir::Value),
     /// It stands in memory, so many places from an address, and has not been read yet.
     InMemory(ir::Value, usize),
@@ -101,7 +101,11 @@ impl<'a, 'f> Emitter<'a, 'f> {
     }
 
     /// Lets values be those of an argument.
-    pub(super) fn bind<'v>(&mut self, values: &[Option<Value>], given: impl IntoIterator<Item = &'v ir::Value>) {
+    pub(super) fn bind<'v>(
+        &mut self,
+        values: &[Option<Value>],
+        given: impl IntoIterator<Item = &'v ir::Value>,
+    ) {
         for (value, given) in values.iter().zip(given) {
             if let Some(value) = value {
                 self.know(*value, Known::Computed(*given));
@@ -116,6 +120,16 @@ impl<'a, 'f> Emitter<'a, 'f> {
                 self.know(*value, Known::InMemory(address, place));
             }
         }
+    }
+
+    /// What is known, to come back to after what is written beside the way that all goes.
+    pub(super) fn known(&self) -> Vec<Option<Known>> {
+        self.values.clone()
+    }
+
+    /// Knows what was [known](Self::known) once.
+    pub(super) fn know_again(&mut self, known: Vec<Option<Known>>) {
+        self.values = known;
     }
 
     /// Knows none of so many values any more.
@@ -184,7 +198,13 @@ impl<'a, 'f> Emitter<'a, 'f> {
     }
 
     /// `addend + a b`, or `addend − a b`, rounded as the library rounds it.
-    pub(super) fn mul_add(&mut self, negative: bool, a: ir::Value, b: ir::Value, addend: ir::Value) -> ir::Value {
+    pub(super) fn mul_add(
+        &mut self,
+        negative: bool,
+        a: ir::Value,
+        b: ir::Value,
+        addend: ir::Value,
+    ) -> ir::Value {
         if FUSED {
             let b = if negative { self.builder.ins().fneg(b) } else { b };
             return self.builder.ins().fma(a, b, addend);
@@ -289,7 +309,8 @@ impl<'a, 'f> Emitter<'a, 'f> {
             return of(self, &operands);
         }
         let [first, second] = [0, 1].map(|lane| {
-            let operands: Vec<_> = operands.iter().map(|x| self.builder.ins().extractlane(*x, lane)).collect();
+            let operands: Vec<_> =
+                operands.iter().map(|x| self.builder.ins().extractlane(*x, lane)).collect();
             of(self, &operands)
         });
         let both = self.builder.ins().splat(types::F64X2, first);
@@ -373,14 +394,17 @@ impl<'a, 'f> Emitter<'a, 'f> {
             return vec![z; count];
         };
         let size = (count * size_of::<f64>()) as u32;
-        let slot = self.builder.create_sized_stack_slot(StackSlotData::new(StackSlotKind::ExplicitSlot, size, 3));
+        let slot =
+            self.builder.create_sized_stack_slot(StackSlotData::new(StackSlotKind::ExplicitSlot, size, 3));
         let pointer = self.pointer;
         let of = |emitter: &mut Self, z: ir::Value| -> Vec<ir::Value> {
             let count_of = emitter.builder.ins().iconst(pointer, count as i64);
             let address = emitter.builder.ins().stack_addr(pointer, slot, 0);
             emitter.builder.ins().call(function, &[count_of, z, address]);
             (0..count)
-                .map(|k| emitter.builder.ins().stack_load(pointer, types::F64, slot, (k * size_of::<f64>()) as i32))
+                .map(|k| {
+                    emitter.builder.ins().stack_load(pointer, types::F64, slot, (k * size_of::<f64>()) as i32)
+                })
                 .collect()
         };
         if !self.wide {

@@ -22,6 +22,16 @@ pub(super) fn defined(compiler: &mut Compiler, stages: &[(&StepProgram, &Layout)
     compiler.define(0, |emitter| March { e: emitter, stages: Vec::new() }.all(stages))
 }
 
+/// The function of a step by Newton's method, from where the solutions before point: `Newton` in `runtime/src/solve/newton.rs`, as long as nothing
+/// stalls.
+pub(super) fn newton_defined(
+    compiler: &mut Compiler,
+    step: &StepProgram,
+    layout: &Layout,
+) -> ModuleResult<FuncId> {
+    compiler.define(0, |emitter| March { e: emitter, stages: Vec::new() }.by_newton(step, layout))
+}
+
 /// How many solutions are remembered: a power of two.
 const WINDOW: usize = 16;
 
@@ -146,7 +156,8 @@ impl<'a> March<'a, '_, '_> {
         self.e.builder.ins().store(Emitter::memory(), value, marching, offset);
     }
 
-    fn all(mut self, stages: &[(&'a StepProgram, &'a Layout)]) {
+    /// Reads what there is for each stage.
+    fn begin(&mut self, stages: &[(&'a StepProgram, &'a Layout)]) {
         let pointer = self.e.pointer;
         let first = self.e.frame;
         for (place, (step, layout)) in stages.iter().enumerate() {
@@ -161,6 +172,12 @@ impl<'a> March<'a, '_, '_> {
             let stage = &mut self.stages[place];
             (stage.frame, stage.ring, stage.next, stage.tolerance) = (frame, ring, next, tolerance);
         }
+    }
+
+    /// Many steps on the fast path.
+    fn all(mut self, stages: &[(&'a StepProgram, &'a Layout)]) {
+        self.begin(stages);
+        let pointer = self.e.pointer;
         let [start, length] = [field!(start), field!(step)].map(|at| self.get(0, types::F64, at));
         let [taken, most] = [field!(taken), field!(most)].map(|at| self.get(0, types::I64, at));
         let nothing = self.get(0, pointer, field!(has_first));
@@ -219,10 +236,125 @@ impl<'a> March<'a, '_, '_> {
         }
         let first_nothing = self.e.builder.ins().iadd(carried.nothing, nothing);
         let steps = self.e.builder.ins().iadd_imm_s(carried.steps, 1);
-        let again =
-            Carried { steps, at: carried.to, to: carried.at, nothing: first_nothing, ..carried };
+        let again = Carried { steps, at: carried.to, to: carried.at, nothing: first_nothing, ..carried };
         self.e.builder.ins().jump(head, &again.all());
         self.end(&exit);
+    }
+
+    /// One step by Newton's method.
+    fn by_newton(mut self, step: &'a StepProgram, layout: &'a Layout) {
+        self.begin(&[(step, layout)]);
+        let Stage { frame, next, .. } = self.stages[0];
+        let time = self.get(0, types::F64, field!(start));
+        let at = self.address(frame, layout.state.start);
+        self.stages[0].constant = frame;
+        self.stages[0].given = Given { state: State::At(at), time: vec![time], ..Given::default() };
+        self.e.forget(step.module.values.places());
+        let leave = self.e.builder.create_block();
+        let guess: Vec<_> = (0..layout.unknown.len()).map(|i| self.read(types::F64, next, i)).collect();
+        self.function(0, StepRole::Begin);
+
+        let [again, solved, not_yet, on] = std::array::from_fn(|_| self.e.builder.create_block());
+        let round = self.e.builder.append_block_param(again, types::I64);
+        let [last, moved] = [0; 2].map(|_| self.e.builder.append_block_param(again, types::F64));
+        let point: Vec<_> =
+            guess.iter().map(|_| self.e.builder.append_block_param(again, types::F64)).collect();
+        let zero = self.e.builder.ins().iconst(types::I64, 0);
+        let [far, one] = [numbers::<1>("FAR")[0], 1.0].map(|x| self.e.number(x));
+        let first: Vec<BlockArg> = [zero, far, one].iter().chain(&guess).map(|x| (*x).into()).collect();
+        self.e.builder.ins().jump(again, &first);
+
+        self.e.builder.switch_to_block(again);
+        self.stages[0].given.unknown = point.clone();
+        self.evaluate(0);
+        let (residual, right) = (self.stages[0].given.residual.clone(), self.stages[0].given.right.clone());
+        let now = self.relative(0, &residual, &right);
+        let is_rounding = self.is_rounding(now, moved, step.has_true_jacobian);
+        self.e.builder.ins().brif(is_rounding, solved, &[], not_yet, &[]);
+
+        self.e.builder.switch_to_block(not_yet);
+        let progress = self.e.number(numbers::<1>("PROGRESS")[0]);
+        let enough = self.e.builder.ins().fmul(progress, last);
+        let leads = self.e.builder.ins().fcmp(FloatCC::LessThanOrEqual, now, enough);
+        let most = numbers::<1>("REGULAR")[0] as i64;
+        let is_open = self.e.builder.ins().icmp_imm_s(IntCC::SignedLessThan, round, most);
+        let goes_on = self.e.builder.ins().band(leads, is_open);
+        self.e.builder.ins().brif(goes_on, on, &[], leave, &[]);
+        self.e.builder.switch_to_block(on);
+        let known = self.e.known();
+        let correction = self.function(0, StepRole::Correction).concat();
+        self.e.know_again(known);
+        let moves = self.relative(0, &correction, &point);
+        let to = self.each(&point, &correction, |e, point, by| e.builder.ins().fsub(point, by));
+        let round_after = self.e.builder.ins().iadd_imm_s(round, 1);
+        let next: Vec<BlockArg> = [round_after, now, moves].iter().chain(&to).map(|x| (*x).into()).collect();
+        self.e.builder.ins().jump(again, &next);
+
+        // where the equation has several solutions, it is the one that the method leads to from the start
+        self.e.builder.switch_to_block(solved);
+        let start = self.function(0, StepRole::Start).concat();
+        let away = self.change(0, &start, &point);
+        let near = self.e.number(numbers::<1>("NEAR")[0]);
+        let is_near = self.e.builder.ins().fcmp(FloatCC::LessThanOrEqual, away, near);
+        let [from_start, found] = std::array::from_fn(|_| self.e.builder.create_block());
+        self.e.builder.ins().brif(is_near, found, &[], from_start, &[]);
+        self.e.builder.switch_to_block(from_start);
+        let (known, iterate) = (self.e.known(), self.stages[0].given.iterate.clone());
+        self.stages[0].given.unknown = start.clone();
+        self.evaluate(0);
+        let correction = self.function(0, StepRole::Correction).concat();
+        self.e.know_again(known);
+        let given = &mut self.stages[0].given;
+        (given.unknown, given.residual, given.right, given.iterate) =
+            (point.clone(), residual, right, iterate);
+        let to = self.each(&start, &correction, |e, start, by| e.builder.ins().fsub(start, by));
+        let left = self.change(0, &to, &point);
+        let towards = self.e.number(numbers::<1>("TOWARDS")[0]);
+        let bound = self.e.builder.ins().fmul(towards, away);
+        let is_found = self.e.builder.ins().fcmp(FloatCC::LessThanOrEqual, left, bound);
+        self.e.builder.ins().brif(is_found, found, &[], leave, &[]);
+
+        self.e.builder.switch_to_block(found);
+        let (next, good) = self.finish(0);
+        let controls: Vec<_> = layout.control.clone().map(|place| self.e.load(frame, place)).collect();
+        let good = good.into_iter().chain(self.are_finite(&controls));
+        let good = good.collect::<Vec<_>>().into_iter().reduce(|a, b| self.e.builder.ins().band(a, b));
+        if let Some(good) = good {
+            let on = self.e.builder.create_block();
+            self.e.builder.ins().brif(good, on, &[], leave, &[]);
+            self.e.builder.switch_to_block(on);
+        }
+        self.e.store_all(frame, layout.next.start, &next);
+        self.e.store_all(frame, layout.out.start, &point);
+        let taken = self.e.builder.ins().iconst(types::I64, 1);
+        for (offset, value) in [(field!(steps), taken), (field!(more), round), (field!(tolerance), now)] {
+            self.put(0, offset, value);
+        }
+        self.e.builder.ins().jump(leave, &[]);
+        self.e.builder.switch_to_block(leave);
+        self.e.builder.ins().return_(&[]);
+    }
+
+    /// Whether a residual is rounding, after a correction that moved the unknown by so much.
+    fn is_rounding(&mut self, residual: ir::Value, moved: ir::Value, is_true: bool) -> ir::Value {
+        let [exact, _, near, little, far, much] = numbers("RESIDUAL");
+        let square = self.e.builder.ins().fmul(moved, moved);
+        let mut any = self.is_at_most(residual, exact * f64::EPSILON);
+        let farther = [(near, little), (far, much)].into_iter().take(if is_true { 2 } else { 1 });
+        for (units, factor) in farther {
+            let is_small = self.is_at_most(residual, units * f64::EPSILON);
+            let factor = self.e.number(factor);
+            let left = self.e.builder.ins().fmul(factor, square);
+            let is_nothing = self.is_at_most(left, f64::EPSILON);
+            let both = self.e.builder.ins().band(is_small, is_nothing);
+            any = self.e.builder.ins().bor(any, both);
+        }
+        any
+    }
+
+    fn is_at_most(&mut self, x: ir::Value, bound: f64) -> ir::Value {
+        let bound = self.e.number(bound);
+        self.e.builder.ins().fcmp(FloatCC::LessThanOrEqual, x, bound)
     }
 
     /// The address of a place in a frame.
@@ -258,8 +390,8 @@ impl<'a> March<'a, '_, '_> {
 
     fn carried(&mut self, block: Block, like: &Carried) -> Carried {
         let pointer = self.e.pointer;
-        let [steps, at, to, nothing] = [types::I64, pointer, pointer, pointer]
-            .map(|ty| self.e.builder.append_block_param(block, ty));
+        let [steps, at, to, nothing] =
+            [types::I64, pointer, pointer, pointer].map(|ty| self.e.builder.append_block_param(block, ty));
         Carried { steps, at, to, nothing, stages: self.parameters(block, &like.stages) }
     }
 
@@ -353,18 +485,8 @@ impl<'a> March<'a, '_, '_> {
         if is_newton {
             kept = self.each(&unknown, &start, |e, unknown, start| e.builder.ins().fsub(unknown, start));
         }
-        let next = self.function(stage, StepRole::Finish).concat();
-        let bounded = step.bounded.iter().chain(std::iter::repeat(&false));
-        let unbounded: Vec<_> =
-            next.iter().zip(bounded).filter(|(_, is_bounded)| !**is_bounded).map(|(x, _)| *x).collect();
-        let mut checks: Vec<_> = self.are_finite(&unbounded).into_iter().collect();
-        if step.module.function(StepRole::Domain).is_some() {
-            let zero = self.e.number(0.0);
-            for margin in self.function(stage, StepRole::Domain).concat() {
-                checks.push(self.e.builder.ins().fcmp(FloatCC::LessThan, zero, margin));
-            }
-        }
-        if let Some(good) = checks.into_iter().reduce(|a, b| self.e.builder.ins().band(a, b)) {
+        let (next, good) = self.finish(stage);
+        if let Some(good) = good {
             self.check(good, stage, carried, exit, |_| {});
         }
         // it is taken; what the next step begins with waits for less than what it goes on with
@@ -383,6 +505,23 @@ impl<'a> March<'a, '_, '_> {
                 vec![self.e.builder.ins().iadd(*all, more), self.e.builder.ins().umax(*most, more)];
         }
         next
+    }
+
+    /// The state after a step, and whether all is well with it, if anything may not be.
+    fn finish(&mut self, stage: usize) -> (Vec<ir::Value>, Option<ir::Value>) {
+        let step = self.stages[stage].step;
+        let next = self.function(stage, StepRole::Finish).concat();
+        let bounded = step.bounded.iter().chain(std::iter::repeat(&false));
+        let unbounded: Vec<_> =
+            next.iter().zip(bounded).filter(|(_, is_bounded)| !**is_bounded).map(|(x, _)| *x).collect();
+        let mut checks: Vec<_> = self.are_finite(&unbounded).into_iter().collect();
+        if step.module.function(StepRole::Domain).is_some() {
+            let zero = self.e.number(0.0);
+            for margin in self.function(stage, StepRole::Domain).concat() {
+                checks.push(self.e.builder.ins().fcmp(FloatCC::LessThan, zero, margin));
+            }
+        }
+        (next, checks.into_iter().reduce(|a, b| self.e.builder.ins().band(a, b)))
     }
 
     /// One iteration, which changes the unknown by little, or the solver goes on from it.
@@ -457,12 +596,17 @@ impl<'a> March<'a, '_, '_> {
 
     /// An iteration: where it starts, and where it leads to.
     fn iteration(&mut self, stage: usize) -> (Vec<ir::Value>, Vec<ir::Value>) {
+        self.evaluate(stage);
+        let point = self.stages[stage].given.unknown.clone();
+        (point, self.function(stage, StepRole::FixedPointUpdate).concat())
+    }
+
+    /// The equation at an unknown.
+    fn evaluate(&mut self, stage: usize) {
         let mut arrays = self.function(stage, StepRole::Evaluate).into_iter();
         let given = &mut self.stages[stage].given;
         given.residual = arrays.next().unwrap_or_default();
         given.right = arrays.next().unwrap_or_default();
-        let point = given.unknown.clone();
-        (point, self.function(stage, StepRole::FixedPointUpdate).concat())
     }
 
     /// A function of a stage, with what it is given.
@@ -526,13 +670,18 @@ impl<'a> March<'a, '_, '_> {
 
     /// The change of the unknown, relative to what it becomes.
     fn change(&mut self, stage: usize, from: &[ir::Value], to: &[ir::Value]) -> ir::Value {
+        let moved = self.each(to, from, |e, to, from| e.builder.ins().fsub(to, from));
+        self.relative(stage, &moved, to)
+    }
+
+    /// The sizes of blocks relative to those of another unknown, together.
+    fn relative(&mut self, stage: usize, of: &[ir::Value], to: &[ir::Value]) -> ir::Value {
         let mut ratios = self.e.number(0.0);
         for block in self.blocks(stage) {
             let mut change = self.e.number(0.0);
             let mut size = self.e.number(f64::MIN_POSITIVE / f64::EPSILON);
             for i in block {
-                let moved = self.e.builder.ins().fsub(to[i], from[i]);
-                change = self.and_magnitude(Some(change), moved);
+                change = self.and_magnitude(Some(change), of[i]);
                 size = self.and_magnitude(Some(size), to[i]);
             }
             let ratio = self.e.builder.ins().fdiv(change, size);
@@ -642,8 +791,7 @@ impl<'a> March<'a, '_, '_> {
             let begun = if is_newton { self.eighth(ty, &at) } else { self.earlier(ty, &at) };
             let lanes = if ty == types::F64X2 { 2 } else { 1 };
             for lane in 0..lanes {
-                let begun =
-                    if lanes == 2 { self.e.builder.ins().extractlane(begun, lane) } else { begun };
+                let begun = if lanes == 2 { self.e.builder.ins().extractlane(begun, lane) } else { begun };
                 let weight = self.e.number(latest);
                 let product = self.e.builder.ins().fmul(weight, kept[i + usize::from(lane)]);
                 then.push(self.e.builder.ins().fadd(begun, product));

@@ -74,7 +74,8 @@ struct Functions {
 
 impl Machine {
     pub(crate) fn new(program: Arc<Program>, place: usize, layout: Layout) -> Self {
-        let has_path = is_here() && program.steps.get(place).is_some_and(|step| march::has_path(step, &layout));
+        let has_path =
+            is_here() && program.steps.get(place).is_some_and(|step| march::has_path(step, &layout));
         Self { program, place, layout, has_path, functions: Default::default(), marches: Mutex::default() }
     }
 
@@ -129,12 +130,12 @@ impl Machine {
         true
     }
 
-    /// Whether there may be what takes many steps at a time.
+    /// Whether there may be what takes many steps at a time, or one by Newton's method.
     pub(crate) fn has_march(&self) -> bool {
-        self.has_path
+        is_here()
     }
 
-    /// What takes many steps at a time.
+    /// What takes many steps at a time, or one by Newton's method.
     pub(crate) fn march(&self, then: Option<usize>) -> Option<March> {
         let mut marches = self.marches.lock().unwrap_or_else(PoisonError::into_inner);
         marches.entry(then).or_insert_with(|| self.marching(then)).clone()
@@ -145,10 +146,13 @@ impl Machine {
         let steps = places.map(|place| self.program.steps.get(place)).collect::<Option<Vec<_>>>()?;
         let layouts: Vec<Layout> = steps.iter().map(|step| layout(&self.program.interface, step)).collect();
         let stages: Vec<_> = steps.into_iter().zip(&layouts).collect();
-        if !stages.iter().all(|(step, layout)| march::has_path(step, layout)) {
-            return None;
-        }
-        let (id, code) = compiled(false, |compiler| march::defined(compiler, &stages))?;
+        let have_paths = stages.iter().all(|(step, layout)| march::has_path(step, layout));
+        let (id, code) = compiled(false, |compiler| match stages[..] {
+            _ if have_paths => march::defined(compiler, &stages).map(Some),
+            [(step, layout)] => march::newton_defined(compiler, step, layout).map(Some),
+            _ => Ok(None),
+        })?;
+        let id = id?;
         // SAFETY: it was compiled with this signature
         let call = unsafe {
             std::mem::transmute::<*const u8, unsafe extern "C" fn(*mut Marching)>(code.address(id))
@@ -221,7 +225,9 @@ struct Compiler {
 impl Compiler {
     fn new(processor: OwnedTargetIsa, wide: bool) -> Self {
         let mut builder = JITBuilder::with_isa(processor, default_libcall_names());
-        Outside::all().filter_map(Outside::symbol).for_each(|(name, address)| _ = builder.symbol(name, address));
+        Outside::all()
+            .filter_map(Outside::symbol)
+            .for_each(|(name, address)| _ = builder.symbol(name, address));
         let module = JITModule::new(builder);
         let context = module.make_context();
         Self {
@@ -278,7 +284,9 @@ impl Compiler {
         let dump = std::env::var_os("JITDUMP").is_some();
         context.set_disasm(dump);
         let defined = module.define_function(id, context);
-        if dump { eprintln!("=== {id}\n{}", context.compiled_code().unwrap().vcode.as_ref().unwrap()); }
+        if dump {
+            eprintln!("=== {id}\n{}", context.compiled_code().unwrap().vcode.as_ref().unwrap());
+        }
         module.clear_context(context);
         defined.map(|()| id)
     }

@@ -33,7 +33,8 @@ impl Motion {
             }
         }
         let system: &dyn System = &model.system(&parameters);
-        let mut state: Vec<f64> = (0..length(description.state)).map(|k| 0.7 * (1.3 * k as f64 + 0.4).sin()).collect();
+        let mut state: Vec<f64> =
+            (0..length(description.state)).map(|k| 0.7 * (1.3 * k as f64 + 0.4).sin()).collect();
         for (quantity, range) in Quantity::with_ranges(description.state) {
             if quantity.role != Role::Configuration {
                 continue;
@@ -62,7 +63,8 @@ impl Motion {
     /// States to the last bit after steps one by one and many, reports, and what is remembered; or why there are none.
     pub(crate) fn run(&self, system: DynamicSystem, steps: u64) -> Result<(Vec<u64>, String), String> {
         let scheme = self.scheme.parse().expect("a scheme");
-        let mut stepper = Stepper::new(Arc::new(system), &scheme, self.step).map_err(|error| error.to_string())?;
+        let mut stepper =
+            Stepper::new(Arc::new(system), &scheme, self.step).map_err(|error| error.to_string())?;
         let mut state = self.state.clone();
         let mut said = String::new();
         for _ in 0..25 {
@@ -113,7 +115,9 @@ fn texts() -> Vec<(String, String)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../systems/src");
     let files = fs::read_dir(folder).unwrap().map(|file| file.unwrap().path());
     let texts = files.filter(|file| file.extension().is_some_and(|extension| extension == "rs"));
-    let named = texts.map(|file| (file.file_stem().unwrap().to_string_lossy().into_owned(), fs::read_to_string(file).unwrap()));
+    let named = texts.map(|file| {
+        (file.file_stem().unwrap().to_string_lossy().into_owned(), fs::read_to_string(file).unwrap())
+    });
     let mut texts: Vec<_> = named.filter(|(_, text)| text.contains("#[lie_poisson_system")).collect();
     texts.sort();
     texts
@@ -136,7 +140,8 @@ fn every_scheme_of_the_catalogue_is_the_interpreters() {
     assert!(moved > 300 && failed < moved / 3, "{taken:?}");
 }
 
-const TOP: &str = "#[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.dot(&chi))]
+const TOP: &str =
+    "#[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.dot(&chi))]
 struct HeavyTop {
     #[inertia]
     inertia: Vector3<f64>,
@@ -193,7 +198,9 @@ fn systems_outlive_their_models_in_any_thread() {
 #[cfg(target_os = "linux")]
 fn executable() -> usize {
     let maps = fs::read_to_string("/proc/self/maps").unwrap();
-    let code = maps.lines().filter(|line| line.contains(" r-xp ") && line.contains(" 00:00 0") && !line.contains('['));
+    let code = maps
+        .lines()
+        .filter(|line| line.contains(" r-xp ") && line.contains(" 00:00 0") && !line.contains('['));
     let size = |line: &str| {
         let (from, to) = line.split_whitespace().next()?.split_once('-')?;
         let [from, to] = [from, to].map(|address| usize::from_str_radix(address, 16));

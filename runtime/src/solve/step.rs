@@ -185,6 +185,18 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
         Lent::new(frame, predictor.remembered(), *tolerance, clock, most)
     }
 
+    /// Whether earlier solutions point to the next one.
+    #[cfg(feature = "dynamic")]
+    pub(crate) fn remembers(&self) -> bool {
+        self.memory.predictor.remembers()
+    }
+
+    /// Remembers the solution of a step that machine code has found by Newton's method.
+    #[cfg(feature = "dynamic")]
+    pub(crate) fn solved(&mut self, solution: &K::Unknown) {
+        self.memory.learn(&self.kernel, || *solution, solution, self.memory.rate);
+    }
+
     /// Remembers what was taken so: so many steps.
     #[cfg(feature = "dynamic")]
     pub(crate) fn marched(&mut self, marched: &Marched, steps: u64) {

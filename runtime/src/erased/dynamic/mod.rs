@@ -9,11 +9,11 @@ mod pair;
 mod step;
 mod system;
 
+pub use crate::scalar::FUSED;
 pub use crate::scalar::Work;
 pub use crate::scalar::simd::frame::{LANES, side_by_side};
-pub use crate::scheme::Rule;
-pub use crate::scalar::FUSED;
 pub use crate::scalar::simd::march::{March, Marching};
+pub use crate::scheme::Rule;
 pub use kernel::{MOST_UNKNOWNS, row_length};
 pub use step::{Layout, Lengths, Step, StepFunction, StepFunctions};
 pub use system::{Definition, DynamicSystem, Given, Inertia, SystemFunction, SystemFunctions, description};

@@ -9,7 +9,7 @@ use super::method::DynamicMethod;
 use super::step::Step;
 use crate::flat::Method;
 use crate::method::{Advanced, Clock, Counted, Method as _, StageAccumulator, StepsReport};
-use crate::scalar::simd::march::{Marched, March};
+use crate::scalar::simd::march::{March, Marched};
 use crate::snapshot::visit_flag;
 use crate::solve::step::OneStep;
 
@@ -40,11 +40,11 @@ impl OfKernel<f64> for OfPair<'_> {
     type Made = Option<Box<dyn Method<f64>>>;
 
     fn made<const U: usize>(self, _: &Arc<Step>) -> Self::Made {
-        let has_march = self.steps[0].functions.has_march() && self.steps[1].functions.has_march();
-        if !has_march {
+        if !self.steps.iter().all(|step| step.functions.has_march() && step.has_fast_path()) {
             return None;
         }
-        let stages = self.steps.map(|step| DynamicMethod::<f64, U>::new(step, self.parameters, 0.5 * self.step));
+        let stages =
+            self.steps.map(|step| DynamicMethod::<f64, U>::new(step, self.parameters, 0.5 * self.step));
         let Self { place, step, .. } = self;
         Some(Box::new(Pair { stages, place, march: None, step, between: Vec::new(), whole: false }))
     }

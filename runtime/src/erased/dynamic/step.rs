@@ -36,7 +36,8 @@ pub trait StepFunctions: Send + Sync + 'static {
     fn call(&self, function: StepFunction, frame: &mut [f64]);
     /// Calls a function on several frames, number by number side by side. In each lane the result is that of the lane alone, bit for bit.
     fn call_wide(&self, function: StepFunction, frame: &mut [[f64; LANES]]);
-    /// Whether there may be machine code that takes many steps at a time, as long as they are as most are.
+    /// Whether there may be machine code that takes many steps at a time, as long as they are as most are; where there is no fixed-point iteration, a
+    /// step by Newton's method.
     fn has_march(&self) -> bool {
         false
     }
@@ -154,6 +155,13 @@ pub struct Step {
     pub frame: Vec<f64>,
     /// Its arithmetic.
     pub functions: Box<dyn StepFunctions>,
+}
+
+impl Step {
+    /// Whether nearly all steps go one way.
+    pub(super) fn has_fast_path(&self) -> bool {
+        self.has_fixed_point_update || self.layout.unknown.is_empty()
+    }
 }
 
 impl core::fmt::Debug for Step {

@@ -27,7 +27,7 @@ pub struct Marching {
     pub next: *mut f64,
     /// The latest solution, of Newton's method.
     pub solution: *mut f64,
-    /// The relative change of an iteration that may be the last.
+    /// The relative change of an iteration that may be the last; after a step by Newton's method the residual that it leaves.
     pub tolerance: f64,
     /// Steps start at `start + taken · step`.
     pub start: f64,
@@ -43,7 +43,7 @@ pub struct Marching {
     pub steps: u64,
     /// The stage of the next step that is left to the solver, of the first stage alone.
     pub halted: u64,
-    /// Iterations more than one a step, all together.
+    /// Iterations more than one a step, all together; all of a step by Newton's method.
     pub more: u64,
     /// The same in one step at most.
     pub most_more: u64,
@@ -96,6 +96,8 @@ pub(crate) struct Marched {
     pub(crate) more: (u64, u32),
     /// Whether an iteration of the stage that is left was made, which led to where results go.
     pub(crate) has_first: bool,
+    /// What was given, or the residual that is left of a step by Newton's method.
+    pub(crate) tolerance: f64,
 }
 
 impl<'a> Lent<'a> {
@@ -167,6 +169,7 @@ impl March {
             oldest: marching.oldest as u32,
             more: (marching.more, marching.most_more as u32),
             has_first: marching.has_first != 0,
+            tolerance: marching.tolerance,
         })
     }
 }
