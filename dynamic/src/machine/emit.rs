@@ -21,6 +21,8 @@ pub(super) struct Emitter<'a, 'f> {
     pub(super) wide: bool,
     /// The address of the frame.
     pub(super) frame: ir::Value,
+    /// Where Stumpff functions of large arguments are left to others. With a call for them, numbers could not stay in registers.
+    pub(super) lost: Option<ir::Block>,
     /// What is known of the program's values, by their numbers.
     values: Vec<Option<Known>>,
     /// Whether something is called that there is not.
@@ -47,7 +49,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
         places: usize,
     ) -> Self {
         let (frame, values) = (ir::Value::from_u32(0), vec![None; places]);
-        Self { builder, outside, pointer, wide, frame, values, is_missing: false }
+        Self { builder, outside, pointer, wide, frame, lost: None, values, is_missing: false }
     }
 
     /// A function of frames that returns nothing.
@@ -341,8 +343,12 @@ impl<'a, 'f> Emitter<'a, 'f> {
             self.builder.switch_to_block(other);
         }
         // `other` is where it is far
-        let called = self.stumpff_called(count, z);
-        self.join(joined, &used, &called);
+        if let Some(lost) = self.lost {
+            self.builder.ins().jump(lost, &[]);
+        } else {
+            let called = self.stumpff_called(count, z);
+            self.join(joined, &used, &called);
+        }
         for (block, quartets) in [(brief, 1), (short, 2)] {
             self.builder.switch_to_block(block);
             let members = self.series(count, quartets, z);

@@ -251,6 +251,7 @@ impl<'a> March<'a, '_, '_> {
         self.stages[0].given = Given { state: State::At(at), time: vec![time], ..Given::default() };
         self.e.forget(step.module.values.places());
         let leave = self.e.builder.create_block();
+        self.e.lost = Some(leave);
         let guess: Vec<_> = (0..layout.unknown.len()).map(|i| self.read(types::F64, next, i)).collect();
         self.function(0, StepRole::Begin);
 
@@ -458,10 +459,23 @@ impl<'a> March<'a, '_, '_> {
         self.e.builder.ins().jump(exit.block, &left);
     }
 
+    /// Lets a stage be left to the solver from anywhere.
+    fn may_get_lost(&mut self, stage: usize, carried: &Carried, exit: &Exit) {
+        let here = self.e.builder.current_block();
+        let lost = self.e.builder.create_block();
+        self.e.builder.switch_to_block(lost);
+        self.halt(stage, carried, exit, |_| {});
+        if let Some(here) = here {
+            self.e.builder.switch_to_block(here);
+        }
+        self.e.lost = Some(lost);
+    }
+
     /// The stage from its state: the next one. What it remembers is carried on.
     fn stage(&mut self, stage: usize, carried: &mut Carried, exit: &Exit) -> Vec<ir::Value> {
         let Stage { step, layout, .. } = self.stages[stage];
         let (is_newton, unknowns) = (step.is_newton, layout.unknown.len());
+        self.may_get_lost(stage, carried, exit);
         self.function(stage, StepRole::Begin);
         let before = carried.stages[stage].clone();
         let mut point = before.next.clone();
