@@ -65,6 +65,11 @@
 //! Numbers are `f64`. There are no derivatives of steps, and none with compensated sums or fused operations: these are compiled for each
 //! system. A step takes about ten times as long as a compiled one; of an [ensemble](coadjoint::erased::Ensemble), whose members go through
 //! each operation side by side, any scheme can be taken.
+//!
+//! # Machine code
+//!
+//! With the feature `jit` steps are compiled as the program runs, where the processor is known and memory may be executed: they take one and a half
+//! times as long as the macro's then, with the same bits. [`Model::interpreted`] asks for the interpreter.
 
 /// The guide's page, whose code is compiled here.
 #[cfg(doctest)]

@@ -90,7 +90,8 @@ struct Given {
 #[derive(Clone)]
 enum State {
     Numbers(Vec<ir::Value>),
-    At(ir::Value),
+    /// But for some, which are there.
+    At(ir::Value, Vec<(usize, ir::Value)>),
 }
 
 impl Default for State {
@@ -126,14 +127,33 @@ struct Carried {
     to: ir::Value,
     /// Zero, always: nobody knows, so that what is read where it is needed is not read once and kept for all steps.
     nothing: ir::Value,
+    /// Components of the state that the equation waits for: what goes through memory takes longer.
+    state: Vec<ir::Value>,
     stages: Vec<Remembered>,
 }
 
 impl Carried {
     fn all(&self) -> Vec<BlockArg> {
         let first = [self.steps, self.at, self.to, self.nothing];
-        first.into_iter().chain(self.stages.iter().flat_map(Remembered::all)).map(BlockArg::from).collect()
+        let first = first.iter().chain(&self.state).copied();
+        first.chain(self.stages.iter().flat_map(Remembered::all)).map(BlockArg::from).collect()
     }
+}
+
+/// The most components of the state that are carried in registers.
+const CARRIED: usize = 8;
+
+/// The places of the components that an equation waits for; none if there are too many.
+fn awaited(step: &StepProgram) -> Vec<usize> {
+    let before = [StepRole::Begin, StepRole::Start, StepRole::Evaluate, StepRole::FixedPointUpdate];
+    let functions = before.iter().filter_map(|role| step.module.function(*role));
+    let arguments = functions.flat_map(|function| &function.arguments);
+    let states: Vec<_> =
+        arguments.filter(|given| given.input == Input::State).map(|given| &given.values).collect();
+    let length = states.iter().map(|values| values.len()).max().unwrap_or(0);
+    let is_used = |i: usize| states.iter().any(|values| values.get(i).is_some_and(Option::is_some));
+    let awaited: Vec<_> = (0..length).filter(|i| is_used(*i)).collect();
+    if awaited.len() > CARRIED { Vec::new() } else { awaited }
 }
 
 /// Where a march ends: with so many steps, a stage that is left, the address of the state, and what is remembered.
@@ -185,11 +205,13 @@ impl<'a> March<'a, '_, '_> {
         let layout = self.stages[0].layout;
         let [at, to] =
             [layout.state.start, layout.next.start].map(|place| self.address(self.stages[0].frame, place));
+        let awaited = awaited(stages[0].0);
         let carried = Carried {
             steps: zero,
             at,
             to,
             nothing,
+            state: awaited.iter().map(|i| self.read(types::F64, at, *i)).collect(),
             stages: (0..stages.len()).map(|stage| self.remembered(stage)).collect(),
         };
         let [head, body] = std::array::from_fn(|_| self.e.builder.create_block());
@@ -216,7 +238,8 @@ impl<'a> March<'a, '_, '_> {
         let now = self.e.builder.ins().fcvt_from_uint(types::F64, now);
         let since = self.e.builder.ins().fmul(now, length);
         let mut time = self.e.builder.ins().fadd(start, since);
-        let mut state = State::At(carried.at);
+        let there = awaited.iter().copied().zip(carried.state.iter().copied());
+        let mut state = State::At(carried.at, there.collect());
         for stage in 0..stages.len() {
             if stage > 0 {
                 // two halves of a step
@@ -233,6 +256,7 @@ impl<'a> March<'a, '_, '_> {
         }
         if let State::Numbers(next) = state {
             self.e.store_all(carried.to, 0, &next);
+            carried.state = awaited.iter().map(|i| next[*i]).collect();
         }
         let first_nothing = self.e.builder.ins().iadd(carried.nothing, nothing);
         let steps = self.e.builder.ins().iadd_imm_s(carried.steps, 1);
@@ -248,7 +272,8 @@ impl<'a> March<'a, '_, '_> {
         let time = self.get(0, types::F64, field!(start));
         let at = self.address(frame, layout.state.start);
         self.stages[0].constant = frame;
-        self.stages[0].given = Given { state: State::At(at), time: vec![time], ..Given::default() };
+        self.stages[0].given =
+            Given { state: State::At(at, Vec::new()), time: vec![time], ..Given::default() };
         self.e.forget(step.module.values.places());
         let leave = self.e.builder.create_block();
         self.e.lost = Some(leave);
@@ -393,7 +418,8 @@ impl<'a> March<'a, '_, '_> {
         let pointer = self.e.pointer;
         let [steps, at, to, nothing] =
             [types::I64, pointer, pointer, pointer].map(|ty| self.e.builder.append_block_param(block, ty));
-        Carried { steps, at, to, nothing, stages: self.parameters(block, &like.stages) }
+        let state = like.state.iter().map(|_| self.e.builder.append_block_param(block, types::F64)).collect();
+        Carried { steps, at, to, nothing, state, stages: self.parameters(block, &like.stages) }
     }
 
     fn exit(&mut self, like: &Carried) -> Exit {
@@ -633,8 +659,11 @@ impl<'a> March<'a, '_, '_> {
             let numbers = match argument.input {
                 Input::State => match &given.state {
                     State::Numbers(numbers) => numbers,
-                    State::At(address) => {
+                    State::At(address, there) => {
                         self.e.bind_memory(values, *address, 0);
+                        for (place, number) in there {
+                            self.e.bind(values.get(*place..=*place).unwrap_or_default(), [number]);
+                        }
                         continue;
                     }
                 },
