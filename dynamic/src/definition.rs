@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use coadjoint::erased::RetractionKind;
 use coadjoint::erased::dynamic::{
-    Definition, Given, Inertia, LANES, Layout, Lengths, Rule, Step, StepFunction, StepFunctions,
+    Definition, Given, Inertia, LANES, Layout, Lengths, March, Rule, Step, StepFunction, StepFunctions,
     SystemFunction, SystemFunctions, Work, description, side_by_side, with_events,
 };
 use coadjoint::{Event, Kind, Quantity, Role, Side};
@@ -22,9 +22,10 @@ use crate::intern;
 use crate::interpreter::Code;
 use crate::series::InterpretedSeries;
 
-/// The definition of a program with these values of its constants.
-pub(crate) fn definition(program: &Program, constants: Vec<f64>) -> Definition {
+/// The definition of a program with these values of its constants, by machine code where there may be any, if it is not to be interpreted.
+pub(crate) fn definition(program: &Arc<Program>, constants: Vec<f64>, interpreted: bool) -> Definition {
     let interface = &program.interface;
+    let step = |place| Arc::new(step(program, place, interpreted));
     let inertias = interface.inertias.iter().map(|inertia| Inertia {
         name: intern::text(&inertia.name),
         rows: inertia.is_matrix.then_some(inertia.rows),
@@ -62,7 +63,7 @@ pub(crate) fn definition(program: &Program, constants: Vec<f64>) -> Definition {
         dimension: interface.dimension,
         is_momentum_singular: interface.momentum == Transform::Singular,
         functions: Box::new(system_functions(program)),
-        steps: program.steps.iter().map(|step| Arc::new(self::step(interface, step))).collect(),
+        steps: (0..program.steps.len()).map(step).collect(),
         series: program.taylor.as_ref().map(InterpretedSeries::shared),
     }
 }
@@ -112,9 +113,14 @@ fn rule(rule: scheme::Rule) -> Option<Rule> {
 }
 
 /// A step's functions on frames.
-struct Interpreted([Code; 8]);
+struct Functions {
+    interpreted: [Code; 8],
+    /// None if they are to be interpreted.
+    #[cfg(feature = "jit")]
+    machine: Option<crate::machine::Machine>,
+}
 
-const FUNCTIONS: [(StepFunction, StepRole); 8] = [
+pub(crate) const FUNCTIONS: [(StepFunction, StepRole); 8] = [
     (StepFunction::New, StepRole::New),
     (StepFunction::Begin, StepRole::Begin),
     (StepFunction::Start, StepRole::Start),
@@ -141,21 +147,39 @@ impl Work for Wide<'_> {
     }
 }
 
-impl StepFunctions for Interpreted {
+impl StepFunctions for Functions {
     fn call(&self, function: StepFunction, frame: &mut [f64]) {
-        self.0[function as usize].run::<1>(frame.as_chunks_mut().0);
+        #[cfg(feature = "jit")]
+        if self.machine.as_ref().is_some_and(|machine| machine.call(function, frame)) {
+            return;
+        }
+        self.interpreted[function as usize].run::<1>(frame.as_chunks_mut().0);
     }
 
     fn call_wide(&self, function: StepFunction, frame: &mut [[f64; LANES]]) {
-        side_by_side(Wide { code: &self.0[function as usize], frame });
+        #[cfg(feature = "jit")]
+        if self.machine.as_ref().is_some_and(|machine| machine.call_wide(function, frame)) {
+            return;
+        }
+        side_by_side(Wide { code: &self.interpreted[function as usize], frame });
+    }
+
+    #[cfg(feature = "jit")]
+    fn has_march(&self) -> bool {
+        self.machine.as_ref().is_some_and(crate::machine::Machine::has_march)
+    }
+
+    #[cfg(feature = "jit")]
+    fn march(&self, then: Option<usize>) -> Option<March> {
+        self.machine.as_ref()?.march(then)
     }
 }
 
 /// Where a step's functions find what they are given.
-struct InStep<'a> {
-    layout: &'a Layout,
-    module: &'a Module<StepRole>,
-    function: &'a Function<StepRole>,
+pub(crate) struct InStep<'a> {
+    pub(crate) layout: &'a Layout,
+    pub(crate) module: &'a Module<StepRole>,
+    pub(crate) function: &'a Function<StepRole>,
 }
 
 impl Places for InStep<'_> {
@@ -200,26 +224,39 @@ impl Places for InStep<'_> {
     }
 }
 
-fn step(interface: &Interface, program: &StepProgram) -> Step {
-    let module = &program.module;
-    let unknown = module.function(StepRole::Evaluate).map_or(0, |evaluate| evaluate.length(Input::Unknown));
+/// Where a step's numbers are.
+pub(crate) fn layout(interface: &Interface, step: &StepProgram) -> Layout {
+    let module = &step.module;
     let fields = |kind| module.values.fields(kind).len();
-    let layout = Layout::new(&Lengths {
+    Layout::new(&Lengths {
         parameters: interface.parameter_length(),
         state: interface.state_length(),
         control: interface.control_length(),
-        unknown,
+        unknown: module.function(StepRole::Evaluate).map_or(0, |evaluate| evaluate.length(Input::Unknown)),
         constants: fields(RecordKind::Constants),
         step: fields(RecordKind::Step),
         iterate: fields(RecordKind::Iterate),
-    });
+    })
+}
+
+fn step(program: &Arc<Program>, place: usize, interpreted: bool) -> Step {
+    let (interface, all, program): (&Interface, _, &StepProgram) =
+        (&program.interface, program, &program.steps[place]);
+    let module = &program.module;
+    let layout = self::layout(interface, program);
     let mut frame = Frame::new(layout.scratch);
     let code = FUNCTIONS.map(|(_, role)| match module.function(role) {
         Some(function) => assembled(function, &InStep { layout: &layout, module, function }, &mut frame),
         None => Code::default(),
     });
+    let frame = frame.numbers();
+    let functions = Functions {
+        interpreted: code,
+        #[cfg(feature = "jit")]
+        machine: (!interpreted).then(|| crate::machine::Machine::new(all.clone(), place, layout.clone())),
+    };
     let schemes = std::iter::once(&program.scheme).chain(&program.aliases);
-    let mut functions = bytes::functions(module);
+    let mut bytes = bytes::functions(module);
     Step {
         schemes: schemes
             .filter_map(|scheme| Some((retraction(scheme.retraction), rule(scheme.rule)?)))
@@ -229,10 +266,10 @@ fn step(interface: &Interface, program: &StepProgram) -> Step {
         has_domain: module.function(StepRole::Domain).is_some(),
         has_true_jacobian: program.has_true_jacobian,
         is_newton: program.is_newton,
-        program: std::array::from_fn(|_| functions.next().unwrap_or_default()),
+        program: std::array::from_fn(|_| bytes.next().unwrap_or_default()),
         places: module.values.places(),
-        frame: frame.numbers(),
-        functions: Box::new(Interpreted(code)),
+        frame,
+        functions: Box::new(functions),
         derivative: program.derivative.as_ref().map(|module| Derivative::boxed(module, interface)),
         layout,
     }

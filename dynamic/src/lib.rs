@@ -62,8 +62,14 @@
 //!
 //! # What is different
 //!
-//! Numbers are `f64`. There are no steps with compensated sums or fused operations: these are compiled for each system. A step takes about ten times as long as a compiled one; of an [ensemble](coadjoint::erased::Ensemble), whose members go through
-//! each operation side by side, any scheme can be taken.
+//! Numbers are `f64`. There are no steps with compensated sums or fused operations: these are compiled for each system. A step takes about ten
+//! times as long as a compiled one; of an [ensemble](coadjoint::erased::Ensemble), whose members go through each operation side by side, any
+//! scheme can be taken.
+//!
+//! # Machine code
+//!
+//! With the feature `jit` steps are compiled as the program runs, where the processor is known and memory may be executed: they take one and a half
+//! times as long as the macro's then, with the same bits. [`Model::interpreted`] asks for the interpreter.
 
 /// The guide's page, whose code is compiled here.
 #[cfg(doctest)]
@@ -76,6 +82,8 @@ mod derivative;
 mod in_one_frame;
 mod intern;
 mod interpreter;
+#[cfg(feature = "jit")]
+mod machine;
 mod series;
 mod text;
 
@@ -83,6 +91,7 @@ use std::sync::Arc;
 
 use coadjoint::erased::Description;
 use coadjoint::erased::dynamic::Definition;
+use coadjoint_codegen::program::Program;
 use coadjoint_codegen::quantity::ScalarType;
 use coadjoint_codegen::source::Source;
 use proc_macro2::TokenStream;
@@ -97,6 +106,7 @@ const STACK: usize = 16 << 20;
 #[derive(Clone, Debug)]
 pub struct Model {
     definition: Arc<Definition>,
+    program: Arc<Program>,
     about: String,
     file: String,
     warnings: Vec<Problem>,
@@ -150,6 +160,13 @@ impl Model {
         &self.definition
     }
 
+    /// The same model, whose systems are interpreted even where there could be machine code: with the feature `jit`, on processors that it is for.
+    #[must_use]
+    pub fn interpreted(&self) -> Self {
+        let definition = definition::definition(&self.program, self.definition.constants.clone(), true);
+        Self { definition: Arc::new(definition), ..self.clone() }
+    }
+
     /// What is no error, but worth knowing.
     pub fn warnings(&self) -> &[Problem] {
         &self.warnings
@@ -188,6 +205,7 @@ fn derived(text: &str, file: &str, name: Option<&str>) -> Result<Model, Descript
     let source = source(text, file)?;
     let coadjoint_codegen::Derived { program, constants, warnings } =
         coadjoint_codegen::derived(&source, name).map_err(failed)?;
+    let program = Arc::new(program);
     if program.interface.scalar == ScalarType::F32 {
         let message = "systems that are made at run time compute with `f64`: leave out `scalar = f32`";
         return Err(DescriptionError::new(file, vec![Problem::without_place(message)]));
@@ -195,7 +213,8 @@ fn derived(text: &str, file: &str, name: Option<&str>) -> Result<Model, Descript
     let about = source.description(name).map(|described| documentation(&described.item)).map_err(failed)?;
     let warnings = warnings.into_iter().map(|(span, message)| Problem::at(text, span, message));
     Ok(Model {
-        definition: Arc::new(definition::definition(&program, constants)),
+        definition: Arc::new(definition::definition(&program, constants, false)),
+        program,
         about,
         file: file.to_owned(),
         warnings: warnings.collect(),

@@ -5,8 +5,33 @@ use std::path::Path;
 
 use coadjoint_dynamic::Model;
 
-/// How many texts are drawn: with `COADJOINT_CAMPAIGN=1` more.
+/// How many texts are drawn.
 const DRAWN: [usize; 2] = [400, 5_000];
+
+/// How many: with `COADJOINT_CAMPAIGN=1` more, with another number so many. `COADJOINT_SEED` draws others.
+fn campaign() -> (usize, u64) {
+    let number = |name| std::env::var(name).ok().and_then(|number| number.parse::<u64>().ok());
+    let drawn = match number("COADJOINT_CAMPAIGN") {
+        None | Some(0) => DRAWN[0],
+        Some(1) => DRAWN[1],
+        Some(more) => more as usize,
+    };
+    (drawn, number("COADJOINT_SEED").unwrap_or(0))
+}
+
+/// Takes steps with a scheme of a model, as machine code and interpreted: the same to the last bit, whatever they are.
+#[cfg(feature = "jit")]
+fn moves(model: &Model, random: &mut Random) {
+    use super::machine::{Motion, schemes};
+
+    let schemes = schemes(model);
+    let scheme = &schemes[random.below(schemes.len())];
+    let step = [1e-3, 0.02, 0.5][random.below(3)];
+    Motion::some(model, scheme, step).check(model, 40);
+}
+
+#[cfg(not(feature = "jit"))]
+fn moves(_: &Model, _: &mut Random) {}
 
 #[test]
 fn what_is_nested_deeply_is_refused() {
@@ -105,8 +130,8 @@ const WORDS: [&str; 28] = [
 #[test]
 fn texts_that_are_drawn_never_panic() {
     let texts = texts();
-    let mut random = Random(0x9e37_79b9_7f4a_7c15);
-    let drawn = DRAWN[usize::from(std::env::var_os("COADJOINT_CAMPAIGN").is_some())];
+    let (drawn, seed) = campaign();
+    let mut random = Random(0x9e37_79b9_7f4a_7c15 ^ seed << 20);
     let mut good = 0;
     for _ in 0..drawn {
         let mut text: Vec<char> = texts[random.below(texts.len())].chars().collect();
@@ -132,7 +157,10 @@ fn texts_that_are_drawn_never_panic() {
         }
         let text: String = text.into_iter().collect();
         match Model::from_text(&text) {
-            Ok(_) => good += 1,
+            Ok(model) => {
+                good += 1;
+                moves(&model, &mut random);
+            }
             // it can be shown
             Err(error) => assert!(!error.to_string().is_empty()),
         }

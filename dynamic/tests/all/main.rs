@@ -3,5 +3,7 @@
 
 mod errors;
 mod hostile;
+#[cfg(feature = "jit")]
+mod machine;
 mod own;
 mod same;

@@ -24,35 +24,40 @@ pub(crate) fn method(
     step: f64,
 ) -> Result<Box<dyn Method<f64>>, NotGenerated> {
     let Description { name, invariant, .. } = system.description();
-    composed(scheme, invariant, step, &mut |map, rule, step| {
+    let mut generated = |map, rule, step| {
         system.method(map, rule, step).ok_or_else(|| {
             // with a retraction, this one is generated for every system
             let has_map = system.method(map, Rule::Member(0, 1), step).is_some();
             let key = if has_map { "methods" } else { "retractions" };
             NotGenerated { scheme: scheme.to_string(), system: name, key }
         })
-    })
+    };
+    composed(scheme, invariant, step, &mut generated, &mut |map, step| system.pair(map, step))
 }
 
-/// The same; `generated` makes what takes steps that the macro generated.
+/// The same; `generated` makes what takes steps that the macro generated, and `pair` of two of them, where they are one piece.
 pub(super) fn composed<T: Batch, E>(
     scheme: &Scheme,
     invariant: bool,
     step: T,
     generated: &mut dyn FnMut(RetractionKind, Rule, T) -> Result<Box<dyn Method<T>>, E>,
+    pair: &mut dyn FnMut(RetractionKind, T) -> Option<Box<dyn Method<T>>>,
 ) -> Result<Box<dyn Method<T>>, E> {
     match scheme.resolved(invariant) {
         Scheme::Step(map, rule) => generated(map, rule, step),
         Scheme::Composed(set, base) => {
-            let part = |_, step| composed(&base, invariant, step, generated);
+            let part = |_, step| composed(&base, invariant, step, generated, pair);
             Ok(Box::new(Composition::new(set.gamma, step, part)?))
         }
         Scheme::StormerVerlet(map) | Scheme::Standard(map) => {
+            if let Some(pair) = pair(map, step) {
+                return Ok(pair);
+            }
             let halves = [Rule::Member(0, 1), Rule::Member(1, 1)];
             let part = |place: usize, step| generated(map, halves[place], step);
             Ok(Box::new(Composition { is_pair: true, ..Composition::new(&[0.5, 0.5], step, part)? }))
         }
-        Scheme::RightLift(base) => composed(&base, invariant, step, generated),
+        Scheme::RightLift(base) => composed(&base, invariant, step, generated, pair),
     }
 }
 

@@ -172,6 +172,12 @@ pub trait System: Geometry + Send + Sync + 'static {
     #[doc(hidden)]
     fn method(&self, map: RetractionKind, rule: Rule, step: f64) -> Option<Box<dyn Method<f64>>>;
 
+    /// What takes a step of this length that is half a step of a method and half a step of its adjoint, where that is one piece.
+    #[doc(hidden)]
+    fn pair(&self, _map: RetractionKind, _step: f64) -> Option<Box<dyn Method<f64>>> {
+        None
+    }
+
     /// What takes Taylor steps to a tolerance; none if no power series were generated.
     #[doc(hidden)]
     fn power_series(&self, _tolerance: f64) -> Option<Result<Box<dyn TaylorSteps>, ParameterError>> {
@@ -347,7 +353,7 @@ impl<S: Schemes> Builder for Standard<'_, S> {
                 false => EnsembleError::NotStandard { scheme: scheme() },
             })
         };
-        composed(self.0, S::INVARIANT, step, &mut generated)
+        composed(self.0, S::INVARIANT, step, &mut generated, &mut |_, _| None)
     }
 }
 

@@ -26,6 +26,8 @@ use super::constants::{LOST, LOW, SMALL, THROUGH};
 use crate::scalar::blocks::{is_within, less, plus, select, weighted, weights};
 use crate::scalar::rows::{Formula, Piece, Row, computed};
 use crate::scalar::simd::lanes::{Portable, Processor};
+#[cfg(feature = "dynamic")]
+use crate::scalar::simd::march::Remembered;
 use crate::scalar::{Batch, Components, Mask, Scalar};
 
 /// How many solutions are kept: a power of two, so that places are found by a mask.
@@ -159,6 +161,19 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     #[inline(always)]
     pub(super) fn set(&mut self, guess: &Guess<U>) {
         (self.next, self.oldest) = *guess;
+    }
+
+    /// All that is remembered, to be gone on from by machine code.
+    #[cfg(feature = "dynamic")]
+    pub(super) fn remembered(&mut self) -> Remembered<'_, T, U> {
+        let Self { ring, next, solution, oldest, .. } = self;
+        Remembered { ring, next, solution, oldest: *oldest }
+    }
+
+    /// Takes what that has led to.
+    #[cfg(feature = "dynamic")]
+    pub(super) fn marched(&mut self, oldest: u32) {
+        self.oldest = oldest;
     }
 
     /// Takes one more solution, whatever there is. Where a few of the earlier solutions predict it better than all, as where a control has jumped,

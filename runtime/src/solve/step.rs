@@ -12,6 +12,11 @@ use crate::method::{AdvanceN, Advanced, Clock, Failure, Method, Outcome, StepsRe
 use crate::scalar::blocks::{change, is_within, less, plus, select};
 use crate::scalar::simd::lanes::{Portable, Processor};
 use crate::scalar::simd::loads::{apart, apart_here, one_by_one};
+#[cfg(feature = "dynamic")]
+use crate::scalar::simd::{
+    frame::Framed,
+    march::{Lent, Marched},
+};
 use crate::scalar::{Batch, Components, Mask, Scalar, Work};
 
 /// One generated kernel: a step is one equation, solved from where the solutions of earlier steps point.
@@ -132,6 +137,25 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
                 Err(ended) => first = ended,
             }
         }
+        self.advance_farther(state, time, control, known, first)
+    }
+
+    fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
+        self.memory.memory(&self.kernel, visit);
+    }
+}
+
+impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
+    /// Takes a step that needs more than there is on the fast path, where a `first` iteration may have been made.
+    #[inline(always)]
+    pub(crate) fn advance_farther(
+        &mut self,
+        state: &K::State,
+        time: T,
+        control: &K::Control,
+        known: bool,
+        first: Option<K::Unknown>,
+    ) -> Outcome<T, K::State> {
         // in line, so that numbers stay in registers: a step with four iterations takes a third less
         if known
             && const { K::HAS_FIXED_POINT_UPDATE && Self::IS_SMALL }
@@ -151,16 +175,45 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
         T::dispatch(SlowPath { method: self, state: &state, time, control: &control, known, first })
     }
 
-    fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
-        self.memory.memory(&self.kernel, visit);
+    /// What machine code takes steps on the fast path with, on this frame, up to `most`.
+    #[cfg(feature = "dynamic")]
+    pub(crate) fn lent<'a>(&'a mut self, frame: &'a mut [T::Row], clock: Clock, most: u64) -> Lent<'a>
+    where
+        T: Framed,
+    {
+        let Memory { predictor, tolerance, .. } = &mut self.memory;
+        Lent::new(frame, predictor.remembered(), *tolerance, clock, most)
     }
-}
 
-impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
+    /// Whether earlier solutions point to the next one.
+    #[cfg(feature = "dynamic")]
+    pub(crate) fn remembers(&self) -> bool {
+        self.memory.predictor.remembers()
+    }
+
+    /// Remembers the solution of a step that machine code has found by Newton's method.
+    #[cfg(feature = "dynamic")]
+    pub(crate) fn solved(&mut self, solution: &K::Unknown) {
+        self.memory.learn(&self.kernel, || *solution, solution, self.memory.rate);
+    }
+
+    /// Remembers what was taken so: so many steps.
+    #[cfg(feature = "dynamic")]
+    pub(crate) fn marched(&mut self, marched: &Marched, steps: u64) {
+        self.memory.predictor.marched(marched.oldest);
+        self.memory.took(steps);
+    }
+
     /// The steps of a kernel that is there.
     #[cfg(feature = "dynamic")]
     pub(crate) fn of(kernel: K) -> Self {
         Self { kernel, memory: Memory::default() }
+    }
+
+    /// The kernel.
+    #[cfg(feature = "dynamic")]
+    pub(crate) fn kernel(&self) -> K {
+        self.kernel
     }
 
     /// Whether there is nothing to solve for.

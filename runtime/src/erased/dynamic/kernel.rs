@@ -9,6 +9,7 @@ use crate::kernel::{Blocks, Evaluation, Kernel};
 use crate::scalar::Scalar;
 use crate::scalar::bounded::Bounded;
 use crate::scalar::simd::frame::Handle;
+use crate::scalar::simd::march;
 
 /// The numbers of a step.
 pub(super) struct Frame<T: Called> {
@@ -37,8 +38,10 @@ impl<T: Called> Frame<T> {
 
     /// Writes numbers to their places; what is missing is zero.
     pub(super) fn write(&mut self, to: core::ops::Range<usize>, numbers: &[T]) {
-        let numbers = numbers.iter().copied().chain(core::iter::repeat(T::of(0.0)));
-        self.rows[to].iter_mut().zip(numbers).for_each(|(row, number)| *row = number.row());
+        let rows = &mut self.rows[to];
+        let (given, missing) = rows.split_at_mut(numbers.len().min(rows.len()));
+        given.iter_mut().zip(numbers).for_each(|(row, number)| *row = number.row());
+        missing.fill(T::of(0.0).row());
     }
 
     /// Shows numbers.
@@ -50,7 +53,7 @@ impl<T: Called> Frame<T> {
         T::call(&*step.functions, function, &mut self.rows);
     }
 
-    fn array<const U: usize>(&self, from: core::ops::Range<usize>) -> [T; U] {
+    pub(super) fn array<const U: usize>(&self, from: core::ops::Range<usize>) -> [T; U] {
         let mut array = [T::of(0.0); U];
         array.iter_mut().zip(self.read(from)).for_each(|(to, number)| *to = number);
         array
@@ -262,6 +265,19 @@ pub(super) trait OfKernel<T: Called> {
     type Made;
     /// Makes it of the kernel with this room.
     fn made<const U: usize>(self, step: &Arc<Step>) -> Self::Made;
+}
+
+/// How many numbers there are from one solution to the next where those of so many unknowns are remembered.
+pub const fn row_length(unknowns: usize) -> usize {
+    // as below
+    match unknowns {
+        0 => march::row_length::<0>(),
+        1..=3 => march::row_length::<3>(),
+        4..=6 => march::row_length::<6>(),
+        7..=MOST_IN_LANES => march::row_length::<MOST_IN_LANES>(),
+        13..=24 => march::row_length::<24>(),
+        _ => march::row_length::<MOST_UNKNOWNS>(),
+    }
 }
 
 /// Makes something of a step's kernel.

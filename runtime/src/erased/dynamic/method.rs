@@ -11,9 +11,10 @@ use crate::erased::system::At;
 use crate::error::StepError;
 use crate::flat::Method;
 use crate::kernel::{AtState, Equation as _};
-use crate::method::{Counted, Failure, Method as _};
+use crate::method::{Advanced, Clock, Counted, Failure, Method as _, StepsReport};
 use crate::scalar::Mask;
 use crate::scalar::simd::frame::Joined;
+use crate::scalar::simd::march::{March, Marched};
 use crate::solve::{self, step::OneStep};
 
 /// What takes the step with these parameters and this length.
@@ -30,15 +31,91 @@ impl<T: Called> OfKernel<T> for OfMethod<'_, T> {
     type Made = Box<dyn Method<T>>;
 
     fn made<const U: usize>(self, step: &Arc<Step>) -> Box<dyn Method<T>> {
-        let frame = Frame::new(step, self.parameters, self.length);
-        let joined = Joined::new(frame, step, |handle| OneStep::of(DynamicKernel::<T, U>(handle)));
-        Box::new(DynamicMethod { step: step.clone(), joined })
+        Box::new(DynamicMethod::<T, U>::new(step, self.parameters, self.length))
     }
 }
 
-struct DynamicMethod<T: Called, const U: usize> {
-    step: Arc<Step>,
-    joined: Joined<Frame<T>, Step, OneStep<T, DynamicKernel<T, U>>>,
+pub(super) struct DynamicMethod<T: Called, const U: usize> {
+    pub(super) step: Arc<Step>,
+    /// What takes many steps at a time, once it was asked for.
+    march: Option<Option<March>>,
+    pub(super) joined: Joined<Frame<T>, Step, OneStep<T, DynamicKernel<T, U>>>,
+}
+
+impl<T: Called, const U: usize> DynamicMethod<T, U> {
+    pub(super) fn new(step: &Arc<Step>, parameters: &[T], length: T) -> Self {
+        let frame = Frame::new(step, parameters, length);
+        let joined = Joined::new(frame, step, |handle| OneStep::of(DynamicKernel::<T, U>(handle)));
+        Self { step: step.clone(), march: None, joined }
+    }
+
+    /// Writes where a step starts to the frame.
+    pub(super) fn give(&mut self, state: &[T], control: &[T]) {
+        let (frame, layout) = (self.joined.frame(), &self.step.layout);
+        frame.write(layout.state.clone(), state);
+        frame.write(layout.control.clone(), control);
+    }
+
+    /// Takes steps by machine code, if there is any, from the state in the frame on, to which the last step has led.
+    fn march(&mut self, clock: Clock, most: u64) -> Option<Marched> {
+        if !self.step.has_fast_path() || !T::has_march(&*self.step.functions) {
+            return None;
+        }
+        let method = self.joined.user();
+        let most = most.min(method.ready_for());
+        if most == 0 {
+            return None;
+        }
+        let march = self.march.get_or_insert_with(|| self.step.functions.march(None)).as_ref()?;
+        let [marched] =
+            method.kernel().0.with(|frame| march.take([method.lent(&mut frame.rows, clock, most)]));
+        method.marched(&marched, marched.steps);
+        Some(marched)
+    }
+
+    /// Takes a step by Newton's method in machine code, where that is all there is, from where earlier solutions point. The state is in the frame then.
+    fn newton(&mut self, time: T) -> Option<Advanced<T, ()>> {
+        let Self { step, march, joined } = self;
+        if step.has_fast_path() || !T::has_march(&*step.functions) || !joined.user().remembers() {
+            return None;
+        }
+        let march = march.get_or_insert_with(|| step.functions.march(None)).as_ref()?;
+        let method = joined.user();
+        let [marched] =
+            method.kernel().0.with(|frame| march.take([method.lent(&mut frame.rows, Clock::at(time), 1)]));
+        if marched.steps == 0 {
+            return None;
+        }
+        let solution = joined.frame().array(step.layout.out.clone());
+        joined.user().solved(&solution);
+        Some(Advanced {
+            state: (),
+            iterations: T::all(marched.more.0 as u32),
+            residual: T::of(marched.tolerance),
+        })
+    }
+
+    /// Takes a step from what is in the frame on, of which machine code may have made a first iteration.
+    pub(super) fn rest(&mut self, has_first: bool, time: T, known: bool, next: &mut [T]) -> Counted<T> {
+        let Self { step, joined, .. } = self;
+        let layout = &step.layout;
+        let outcome = if has_first {
+            let first = joined.frame().array(layout.out.clone());
+            joined.user().advance_farther(&[], time, &[], known, Some(first))
+        } else {
+            joined.user().advance(&[], time, &[], known)
+        };
+        let frame = joined.frame();
+        next.iter_mut().zip(frame.read(layout.next.clone())).for_each(|(to, number)| *to = number);
+        outcome.map(|advanced| advanced.with(())).map_err(|failure| {
+            let advanced = failure.advanced.with(());
+            let errors = T::each(|lane| {
+                let error = failure.errors.as_ref()[lane]?;
+                Some(seen(step, frame, time, lane, error))
+            });
+            Failure { errors, advanced }
+        })
+    }
 }
 
 impl<T: Called, const U: usize> Method<T> for DynamicMethod<T, U> {
@@ -47,21 +124,58 @@ impl<T: Called, const U: usize> Method<T> for DynamicMethod<T, U> {
     }
 
     fn advance(&mut self, state: &[T], next: &mut [T], time: T, control: &[T], known: bool) -> Counted<T> {
-        let layout = &self.step.layout;
-        let frame = self.joined.frame();
-        frame.write(layout.state.clone(), state);
-        frame.write(layout.control.clone(), control);
-        let outcome = self.joined.user().advance(&[], time, &[], known);
-        let frame = self.joined.frame();
-        next.iter_mut().zip(frame.read(layout.next.clone())).for_each(|(to, number)| *to = number);
-        outcome.map(|advanced| advanced.with(())).map_err(|failure| {
-            let advanced = failure.advanced.with(());
-            let errors = T::each(|lane| {
-                let error = failure.errors.as_ref()[lane]?;
-                Some(seen(&self.step, frame, time, lane, error))
-            });
-            Failure { errors, advanced }
-        })
+        self.give(state, control);
+        let mut has_first = false;
+        if known && let Some(marched) = self.march(Clock::at(time), 1) {
+            if marched.steps == 1 {
+                let now = self.joined.frame().read(self.step.layout.state.clone());
+                next.iter_mut().zip(now).for_each(|(to, number)| *to = number);
+                let (mut iterations, residual) = self.joined.user().on_fast_path();
+                let more = marched.more.1;
+                iterations.as_mut().iter_mut().for_each(|all| *all = all.wrapping_add(more));
+                return Ok(Advanced { state: (), iterations, residual });
+            }
+            has_first = marched.has_first;
+        } else if known && let Some(advanced) = self.newton(time) {
+            let now = self.joined.frame().read(self.step.layout.next.clone());
+            next.iter_mut().zip(now).for_each(|(to, number)| *to = number);
+            return Ok(advanced);
+        }
+        self.rest(has_first, time, known, next)
+    }
+
+    fn advance_n(&mut self, state: &mut [T], clock: Clock, control: &[T], most: u64) -> StepsReport<T> {
+        let mut report = StepsReport::default();
+        if !T::has_march(&*self.step.functions) {
+            return report;
+        }
+        self.give(state, control);
+        while report.steps < most {
+            let ahead = Clock { taken: clock.taken + report.steps, ..clock };
+            if let Some(marched) = self.march(ahead, most - report.steps) {
+                let (iterations, residual) = self.joined.user().on_fast_path();
+                report.count(marched.steps, &iterations, residual, marched.more);
+                report.steps += marched.steps;
+            }
+            if report.steps == most {
+                break;
+            }
+            let time = T::of(clock.after(report.steps));
+            let advanced = match self.newton(time) {
+                Some(advanced) => advanced,
+                None => match self.joined.user().advance_farther(&[], time, &[], true, None) {
+                    Ok(advanced) => advanced.with(()),
+                    Err(_) => break,
+                },
+            };
+            let layout = &self.step.layout;
+            self.joined.frame().rows.copy_within(layout.next.clone(), layout.state.start);
+            report.steps += 1;
+            report.count(1, &advanced.iterations, advanced.residual, (0, 0));
+        }
+        let now = self.joined.frame().read(self.step.layout.state.clone());
+        state.iter_mut().zip(now).for_each(|(to, number)| *to = number);
+        report
     }
 
     /// The numbers that the typed stepper has: not those that fill up an unknown.

@@ -6,14 +6,17 @@
 mod kernel;
 mod linearization;
 mod method;
+mod pair;
 mod step;
 mod system;
 mod taylor;
 
+pub use crate::scalar::FUSED;
 pub use crate::scalar::Work;
 pub use crate::scalar::simd::frame::{LANES, side_by_side};
+pub use crate::scalar::simd::march::{March, Marching};
 pub use crate::scheme::Rule;
-pub use kernel::MOST_UNKNOWNS;
+pub use kernel::{MOST_UNKNOWNS, row_length};
 pub use step::{Layout, Lengths, Solution, Step, StepDerivative, StepFunction, StepFunctions};
 pub use system::{
     Definition, DynamicSystem, Given, Inertia, SystemFunction, SystemFunctions, description, with_events,

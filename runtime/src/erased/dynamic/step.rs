@@ -7,6 +7,7 @@ use std::vec::Vec;
 use crate::erased::jacobian::Jacobian;
 use crate::retraction::RetractionKind;
 use crate::scalar::simd::frame::{Framed, LANES, Wide};
+use crate::scalar::simd::march::March;
 use crate::scheme::Rule;
 
 /// The functions of a step, as [`StepFunctions`] has them.
@@ -36,6 +37,15 @@ pub trait StepFunctions: Send + Sync + 'static {
     fn call(&self, function: StepFunction, frame: &mut [f64]);
     /// Calls a function on several frames, number by number side by side. In each lane the result is that of the lane alone, bit for bit.
     fn call_wide(&self, function: StepFunction, frame: &mut [[f64; LANES]]);
+    /// Whether there may be machine code that takes many steps at a time, as long as they are as most are; where there is no fixed-point iteration, a
+    /// step by Newton's method.
+    fn has_march(&self) -> bool {
+        false
+    }
+    /// That code; or the code for steps that are this one and another one, in this place among all of the system, each of half the length.
+    fn march(&self, _then: Option<usize>) -> Option<March> {
+        None
+    }
 }
 
 /// A step whose equation is solved.
@@ -173,6 +183,13 @@ pub struct Step {
     pub derivative: Option<Box<dyn StepDerivative>>,
 }
 
+impl Step {
+    /// Whether nearly all steps go one way.
+    pub(super) fn has_fast_path(&self) -> bool {
+        self.has_fixed_point_update || self.layout.unknown.is_empty()
+    }
+}
+
 impl core::fmt::Debug for Step {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.debug_struct("Step").field("schemes", &self.schemes).finish_non_exhaustive()
@@ -183,11 +200,19 @@ impl core::fmt::Debug for Step {
 pub(crate) trait Called: Framed {
     /// Calls a function.
     fn call(functions: &dyn StepFunctions, function: StepFunction, frame: &mut [Self::Row]);
+    /// Whether there may be machine code that takes many steps at a time.
+    fn has_march(_functions: &dyn StepFunctions) -> bool {
+        false
+    }
 }
 
 impl Called for f64 {
     fn call(functions: &dyn StepFunctions, function: StepFunction, frame: &mut [f64]) {
         functions.call(function, frame);
+    }
+
+    fn has_march(functions: &dyn StepFunctions) -> bool {
+        functions.has_march()
     }
 }
 

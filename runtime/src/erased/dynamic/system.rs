@@ -8,6 +8,7 @@ use std::vec::Vec;
 use super::kernel::MOST_IN_LANES;
 use super::linearization::linearization;
 use super::method::{equation, method};
+use super::pair::pair;
 use super::step::{Called, Step};
 use super::taylor::{DynamicTaylor, SeriesFunctions};
 use crate::crossing::Event;
@@ -203,14 +204,15 @@ impl DynamicSystem {
         step: T,
     ) -> Result<Box<dyn Method<T>>, EnsembleError> {
         let Description { name, invariant, .. } = self.definition.description;
-        composed(scheme, invariant, step, &mut |map, rule, step| match self.step(map, rule) {
+        let mut generated = |map, rule, step| match self.step(map, rule) {
             Some(of) => Ok(method(of, parameters, step)),
             None => {
                 let has_map = self.step(map, Rule::Member(0, 1)).is_some();
                 let key = if has_map { "methods" } else { "retractions" };
                 Err(NotGenerated { scheme: scheme.to_string(), system: name, key }.into())
             }
-        })
+        };
+        composed(scheme, invariant, step, &mut generated, &mut |_, _| None)
     }
 
     /// The state, or as many numbers.
@@ -370,6 +372,13 @@ impl System for DynamicSystem {
     fn power_series(&self, tolerance: f64) -> Option<Result<Box<dyn TaylorSteps>, ParameterError>> {
         let functions = self.definition.series.clone()?;
         Some(DynamicTaylor::boxed(self, functions, tolerance))
+    }
+
+    fn pair(&self, map: RetractionKind, step: f64) -> Option<Box<dyn Method<f64>>> {
+        let (first, second) = (Rule::Member(0, 1), (map, Rule::Member(1, 1)));
+        let steps = &self.definition.steps;
+        let place = steps.iter().position(|step| step.schemes.contains(&second))?;
+        pair(self.step(map, first)?, (&steps[place], place), &Geometry::parameters(self), step)
     }
 
     fn linearization(

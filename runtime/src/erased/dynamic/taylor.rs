@@ -10,9 +10,9 @@ use crate::erased::system::{Geometry as _, length};
 use crate::error::{ParameterError, StepError};
 use crate::scalar::Scalar;
 use crate::stepper::{Inputs, StepReport, check_deviation};
-use crate::system::adaptive::order;
+use crate::system::adaptive::{LEAST_ORDER, order};
 use crate::system::input::{Polynomial, fitted};
-use crate::system::series::{Coefficients, Length, Terms};
+use crate::system::series::{Coefficients, Length, MOST_COEFFICIENTS, Terms};
 use crate::taylor::{EXPLICIT, Pace, Wanted};
 
 /// The recurrences of a motion's power series, on a frame that keeps what depends on the start of a step.
@@ -236,6 +236,12 @@ impl TaylorSteps for DynamicTaylor {
 
     fn order(&self) -> usize {
         self.series.order
+    }
+
+    fn set_order(&mut self, order: usize) {
+        let order = order.clamp(LEAST_ORDER, MOST_COEFFICIENTS);
+        self.series = Series::new(self.series.functions.clone(), order);
+        self.pace.leave();
     }
 
     fn step_size(&self) -> f64 {

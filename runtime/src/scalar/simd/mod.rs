@@ -11,5 +11,7 @@ pub(crate) mod frame;
 )]
 pub(crate) mod lanes;
 pub(crate) mod loads;
+#[cfg(feature = "dynamic")]
+pub(crate) mod march;
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
 pub(crate) mod processor;

@@ -1,0 +1,433 @@
+//! From the functions of a program to Cranelift's instructions: the same operations in the same order as the interpreter's.
+
+use coadjoint::erased::dynamic::{FUSED, LANES};
+use coadjoint_codegen::program::{Elementary, Function, Statement, Term, Value, stumpff};
+use cranelift_codegen::ir::condcodes::FloatCC;
+use cranelift_codegen::ir::{
+    self, BlockArg, FuncRef, InstBuilder, MemFlagsData, StackSlotData, StackSlotKind, Type, types,
+};
+use cranelift_frontend::FunctionBuilder;
+
+use super::outside::{Outside, elementary};
+use crate::assembler::Places;
+
+/// Writes the instructions of one function, whose first parameter is the address of a frame.
+pub(super) struct Emitter<'a, 'f> {
+    pub(super) builder: FunctionBuilder<'f>,
+    /// What is called.
+    pub(super) outside: &'a mut dyn FnMut(Outside, &mut ir::Function) -> Option<FuncRef>,
+    pub(super) pointer: Type,
+    /// Whether two frames are gone through, side by side among several.
+    pub(super) wide: bool,
+    /// The address of the frame.
+    pub(super) frame: ir::Value,
+    /// Where Stumpff functions of large arguments are left to others. With a call for them, numbers could not stay in registers.
+    pub(super) lost: Option<ir::Block>,
+    /// What is known of the program's values, by their numbers.
+    values: Vec<Option<Known>>,
+    /// Whether something is called that there is not.
+    pub(super) is_missing: bool,
+}
+
+/// What is known of a value.
+#[derive(Clone, Copy)]
+pub(super) enum Known {
+    Computed(ir::Value),
+    /// It stands in memory, so many places from an address, and has not been read yet.
+    InMemory(ir::Value, usize),
+}
+
+/// Results of a function, array by array.
+pub(super) type Arrays = Vec<Vec<ir::Value>>;
+
+impl<'a, 'f> Emitter<'a, 'f> {
+    pub(super) fn new(
+        builder: FunctionBuilder<'f>,
+        outside: &'a mut dyn FnMut(Outside, &mut ir::Function) -> Option<FuncRef>,
+        pointer: Type,
+        wide: bool,
+        places: usize,
+    ) -> Self {
+        let (frame, values) = (ir::Value::from_u32(0), vec![None; places]);
+        Self { builder, outside, pointer, wide, frame, lost: None, values, is_missing: false }
+    }
+
+    /// A function of frames that returns nothing.
+    pub(super) fn whole<R>(&mut self, function: &Function<R>, places: &impl Places) {
+        for argument in &function.arguments {
+            let first = places.input(argument.input);
+            for (value, place) in argument.values.iter().zip(first..) {
+                if let Some(value) = value {
+                    self.know(*value, Known::InMemory(self.frame, place));
+                }
+            }
+        }
+        self.body(function);
+        let mut arrays = self.results(function);
+        if places.is_least() {
+            let least = arrays.concat().into_iter().reduce(|a, b| self.least(a, b));
+            arrays = vec![least.into_iter().collect()];
+        }
+        let (fields, first) = places.record();
+        let record: Vec<_> = fields.iter().map(|field| self.value(*field)).collect();
+        // what is read was read
+        for (array, numbers) in arrays.into_iter().enumerate() {
+            self.store_all(self.frame, places.result(array), &numbers);
+        }
+        self.store_all(self.frame, first, &record);
+        self.builder.ins().return_(&[]);
+    }
+
+    /// The statements of a function.
+    pub(super) fn body<R>(&mut self, function: &Function<R>) {
+        for statement in &function.statements {
+            match statement {
+                Statement::Let { value, term } => {
+                    let computed = self.term(term);
+                    self.know(*value, Known::Computed(computed));
+                }
+                Statement::Stumpff { values, argument } => {
+                    let z = self.term(argument);
+                    let members = self.stumpff(values, z);
+                    for (value, member) in values.iter().flatten().zip(members) {
+                        self.know(*value, Known::Computed(member));
+                    }
+                }
+            }
+        }
+    }
+
+    /// What a function returns.
+    pub(super) fn results<R>(&mut self, function: &Function<R>) -> Arrays {
+        function.results.iter().map(|array| array.iter().map(|term| self.term(term)).collect()).collect()
+    }
+
+    /// Lets values be those of an argument.
+    pub(super) fn bind<'v>(
+        &mut self,
+        values: &[Option<Value>],
+        given: impl IntoIterator<Item = &'v ir::Value>,
+    ) {
+        for (value, given) in values.iter().zip(given) {
+            if let Some(value) = value {
+                self.know(*value, Known::Computed(*given));
+            }
+        }
+    }
+
+    /// Lets values be read from memory where they are needed.
+    pub(super) fn bind_memory(&mut self, values: &[Option<Value>], address: ir::Value, first: usize) {
+        for (value, place) in values.iter().zip(first..) {
+            if let Some(value) = value {
+                self.know(*value, Known::InMemory(address, place));
+            }
+        }
+    }
+
+    /// What is known, to come back to after what is written beside the way that all goes.
+    pub(super) fn known(&self) -> Vec<Option<Known>> {
+        self.values.clone()
+    }
+
+    /// Knows what was [known](Self::known) once.
+    pub(super) fn know_again(&mut self, known: Vec<Option<Known>>) {
+        self.values = known;
+    }
+
+    /// Knows none of so many values any more.
+    pub(super) fn forget(&mut self, places: usize) {
+        self.values = vec![None; places];
+    }
+
+    fn know(&mut self, value: Value, known: Known) {
+        self.values[value.number()] = Some(known);
+    }
+
+    pub(super) fn value(&mut self, value: Value) -> ir::Value {
+        match self.values[value.number()] {
+            Some(Known::Computed(computed)) => computed,
+            Some(Known::InMemory(address, place)) => {
+                let read = self.load(address, place);
+                self.know(value, Known::Computed(read));
+                read
+            }
+            // programs name nothing before it is computed
+            None => self.number(f64::NAN),
+        }
+    }
+
+    fn ty(&self) -> Type {
+        if self.wide { types::F64X2 } else { types::F64 }
+    }
+
+    fn offset(&self, place: usize) -> i32 {
+        let lanes = if self.wide { LANES } else { 1 };
+        (place * lanes * size_of::<f64>()) as i32
+    }
+
+    /// Memory that is there, where doubles are aligned and nothing more.
+    pub(super) fn memory() -> MemFlagsData {
+        MemFlagsData::new().with_notrap()
+    }
+
+    /// The same, of what is not written to as long as it is read through this address: it is read where it is needed.
+    pub(super) fn lasting() -> MemFlagsData {
+        Self::memory().with_readonly().with_can_move()
+    }
+
+    /// A number that lasts, or is read before anything is written.
+    pub(super) fn load(&mut self, address: ir::Value, place: usize) -> ir::Value {
+        let (ty, offset) = (self.ty(), self.offset(place));
+        self.builder.ins().load(ty, Self::lasting(), address, offset)
+    }
+
+    pub(super) fn store_all(&mut self, address: ir::Value, first: usize, numbers: &[ir::Value]) {
+        for (number, place) in numbers.iter().zip(first..) {
+            let offset = self.offset(place);
+            self.builder.ins().store(Self::memory(), *number, address, offset);
+        }
+    }
+
+    pub(super) fn number(&mut self, x: f64) -> ir::Value {
+        if !self.wide && x.to_bits() == 0 {
+            return self.builder.ins().f64const(x);
+        }
+        // read from beside the code: a number alone is put together by two instructions
+        let bytes = [x.to_le_bytes(); 2].concat();
+        let both = self.builder.func.dfg.constants.insert(bytes.into());
+        let both = self.builder.ins().vconst(types::F64X2, both);
+        if self.wide { both } else { self.builder.ins().extractlane(both, 0) }
+    }
+
+    /// `addend + a b`, or `addend − a b`, rounded as the library rounds it.
+    pub(super) fn mul_add(
+        &mut self,
+        negative: bool,
+        a: ir::Value,
+        b: ir::Value,
+        addend: ir::Value,
+    ) -> ir::Value {
+        if FUSED {
+            let b = if negative { self.builder.ins().fneg(b) } else { b };
+            return self.builder.ins().fma(a, b, addend);
+        }
+        let product = self.builder.ins().fmul(a, b);
+        match negative {
+            true => self.builder.ins().fsub(addend, product),
+            false => self.builder.ins().fadd(addend, product),
+        }
+    }
+
+    /// `yes` where the comparison holds.
+    fn select(&mut self, condition: ir::Value, yes: ir::Value, no: ir::Value) -> ir::Value {
+        if !self.wide {
+            return self.builder.ins().select(condition, yes, no);
+        }
+        let mask = self.builder.ins().bitcast(types::F64X2, little(), condition);
+        let [mask, yes, no] = [mask, yes, no].map(|x| self.builder.ins().bitcast(types::I64X2, little(), x));
+        let selected = self.builder.ins().bitselect(mask, yes, no);
+        self.builder.ins().bitcast(types::F64X2, little(), selected)
+    }
+
+    /// The lesser of two, of which one that is not a number is none.
+    fn least(&mut self, a: ir::Value, b: ir::Value) -> ir::Value {
+        let is_second = self.builder.ins().fcmp(FloatCC::LessThan, b, a);
+        let least = self.select(is_second, b, a);
+        let is_none = self.builder.ins().fcmp(FloatCC::NotEqual, a, a);
+        self.select(is_none, b, least)
+    }
+
+    /// The value of a term.
+    pub(super) fn term(&mut self, term: &Term) -> ir::Value {
+        match term {
+            Term::Number(number) => self.number(number.as_emitted()),
+            Term::Value(value) => self.value(*value),
+            Term::Negative(x) => {
+                let x = self.term(x);
+                self.builder.ins().fneg(x)
+            }
+            Term::Sum(addends) => {
+                let mut sum = None;
+                for (negative, addend) in addends {
+                    let addend = self.term(addend);
+                    sum = Some(match (sum, negative) {
+                        (None, _) => addend,
+                        (Some(sum), false) => self.builder.ins().fadd(sum, addend),
+                        (Some(sum), true) => self.builder.ins().fsub(sum, addend),
+                    });
+                }
+                sum.unwrap_or_else(|| self.number(0.0))
+            }
+            Term::Product(factors) => {
+                let mut product = None;
+                for factor in factors {
+                    let factor = self.term(factor);
+                    product = Some(match product {
+                        None => factor,
+                        Some(product) => self.builder.ins().fmul(product, factor),
+                    });
+                }
+                product.unwrap_or_else(|| self.number(1.0))
+            }
+            Term::MulAdd { negative, a, b, addend } => {
+                let [a, b, addend] = [a, b, addend].map(|term| self.term(term));
+                self.mul_add(*negative, a, b, addend)
+            }
+            Term::Quotient(x, y) => {
+                let [x, y] = [x, y].map(|term| self.term(term));
+                self.builder.ins().fdiv(x, y)
+            }
+            Term::Power(x, y) => self.called(Outside::Power, &[x, y]),
+            Term::Atan2(y, x) => self.called(Outside::Atan2, &[y, x]),
+            Term::Choice([x, yes, no]) => {
+                let [x, yes, no] = [x, yes, no].map(|term| self.term(term));
+                let zero = self.number(0.0);
+                let is_negative = self.builder.ins().fcmp(FloatCC::LessThan, x, zero);
+                self.select(is_negative, yes, no)
+            }
+            Term::Function(Elementary::Sqrt, x) => {
+                let x = self.term(x);
+                self.builder.ins().sqrt(x)
+            }
+            Term::Function(function, x) => self.called(elementary(*function), &[x]),
+        }
+    }
+
+    fn outside(&mut self, outside: Outside) -> Option<FuncRef> {
+        let function = (self.outside)(outside, self.builder.func);
+        self.is_missing |= function.is_none();
+        function
+    }
+
+    /// A number from outside, of each lane.
+    fn called(&mut self, outside: Outside, operands: &[&Term]) -> ir::Value {
+        let operands: Vec<_> = operands.iter().map(|term| self.term(term)).collect();
+        let Some(function) = self.outside(outside) else { return self.number(f64::NAN) };
+        let of = |emitter: &mut Self, operands: &[ir::Value]| {
+            let call = emitter.builder.ins().call(function, operands);
+            emitter.builder.inst_results(call)[0]
+        };
+        if !self.wide {
+            return of(self, &operands);
+        }
+        let [first, second] = [0, 1].map(|lane| {
+            let operands: Vec<_> =
+                operands.iter().map(|x| self.builder.ins().extractlane(*x, lane)).collect();
+            of(self, &operands)
+        });
+        let both = self.builder.ins().splat(types::F64X2, first);
+        self.builder.ins().insertlane(both, second, 1)
+    }
+
+    /// Whether a comparison holds in all lanes.
+    pub(super) fn all(&mut self, condition: ir::Value) -> ir::Value {
+        if self.wide { self.builder.ins().vall_true(condition) } else { condition }
+    }
+
+    /// Stumpff functions, those that are used: of small arguments here, of others by a call.
+    fn stumpff(&mut self, values: &[Option<Value>], z: ir::Value) -> Vec<ir::Value> {
+        let count = values.len();
+        let used: Vec<usize> = (0..count).filter(|k| values[*k].is_some()).collect();
+        let [brief, farther, short, far, joined] = std::array::from_fn(|_| self.builder.create_block());
+        let ty = self.ty();
+        used.iter().for_each(|_| _ = self.builder.append_block_param(joined, ty));
+        self.builder.set_cold_block(far);
+        let size = self.builder.ins().fabs(z);
+        for (limit, [near, other]) in
+            [(stumpff::brief(count), [brief, farther]), (stumpff::SHORT, [short, far])]
+        {
+            let limit = self.number(limit);
+            let is_near = self.builder.ins().fcmp(FloatCC::LessThan, size, limit);
+            let is_near = self.all(is_near);
+            self.builder.ins().brif(is_near, near, &[], other, &[]);
+            self.builder.switch_to_block(other);
+        }
+        // `other` is where it is far
+        if let Some(lost) = self.lost {
+            self.builder.ins().jump(lost, &[]);
+        } else {
+            let called = self.stumpff_called(count, z);
+            self.join(joined, &used, &called);
+        }
+        for (block, quartets) in [(brief, 1), (short, 2)] {
+            self.builder.switch_to_block(block);
+            let members = self.series(count, quartets, z);
+            self.join(joined, &used, &members);
+        }
+        self.builder.switch_to_block(joined);
+        self.builder.block_params(joined).to_vec()
+    }
+
+    fn join(&mut self, block: ir::Block, used: &[usize], members: &[ir::Value]) {
+        let given: Vec<BlockArg> = used.iter().map(|k| members[*k].into()).collect();
+        self.builder.ins().jump(block, &given);
+    }
+
+    /// Stumpff functions from series of so many quartets, one or two.
+    fn series(&mut self, count: usize, quartets: usize, z: ir::Value) -> Vec<ir::Value> {
+        let z2 = self.builder.ins().fmul(z, z);
+        let z4 = (quartets > 1).then(|| self.builder.ins().fmul(z2, z2));
+        let highest = stumpff::highest(count).map(|k| {
+            let first = self.quartet(k, z, z2);
+            match z4 {
+                Some(z4) => {
+                    let second = self.quartet(k + 8, z, z2);
+                    self.mul_add(false, z4, second, first)
+                }
+                None => first,
+            }
+        });
+        let mut members = vec![highest[0]; count];
+        members[count - 1] = highest[1];
+        for k in (0..count.saturating_sub(2)).rev() {
+            let constant = self.number(stumpff::inverse_factorial(k));
+            members[k] = self.mul_add(true, z, members[k + 2], constant);
+        }
+        members
+    }
+
+    fn quartet(&mut self, k: usize, z: ir::Value, z2: ir::Value) -> ir::Value {
+        let constants = [0, 2, 4, 6].map(|j| self.number(stumpff::inverse_factorial(k + j)));
+        let low = self.mul_add(true, z, constants[1], constants[0]);
+        let high = self.mul_add(true, z, constants[3], constants[2]);
+        self.mul_add(false, z2, high, low)
+    }
+
+    fn stumpff_called(&mut self, count: usize, z: ir::Value) -> Vec<ir::Value> {
+        let function = self.outside(Outside::Stumpff).filter(|_| count <= stumpff::MAX);
+        let Some(function) = function else {
+            self.is_missing = true;
+            return vec![z; count];
+        };
+        let size = (count * size_of::<f64>()) as u32;
+        let slot =
+            self.builder.create_sized_stack_slot(StackSlotData::new(StackSlotKind::ExplicitSlot, size, 3));
+        let pointer = self.pointer;
+        let of = |emitter: &mut Self, z: ir::Value| -> Vec<ir::Value> {
+            let count_of = emitter.builder.ins().iconst(pointer, count as i64);
+            let address = emitter.builder.ins().stack_addr(pointer, slot, 0);
+            emitter.builder.ins().call(function, &[count_of, z, address]);
+            (0..count)
+                .map(|k| {
+                    emitter.builder.ins().stack_load(pointer, types::F64, slot, (k * size_of::<f64>()) as i32)
+                })
+                .collect()
+        };
+        if !self.wide {
+            return of(self, z);
+        }
+        let [first, second] = [0, 1].map(|lane| {
+            let z = self.builder.ins().extractlane(z, lane);
+            of(self, z)
+        });
+        let both = first.into_iter().zip(second).map(|(first, second)| {
+            let both = self.builder.ins().splat(types::F64X2, first);
+            self.builder.ins().insertlane(both, second, 1)
+        });
+        both.collect()
+    }
+}
+
+fn little() -> MemFlagsData {
+    MemFlagsData::new().with_endianness(ir::Endianness::Little)
+}
