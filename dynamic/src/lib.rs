@@ -82,6 +82,9 @@ mod intern;
 mod interpreter;
 #[cfg(feature = "jit")]
 mod machine;
+#[cfg(not(feature = "jit"))]
+#[path = "no_machine.rs"]
+mod machine;
 mod text;
 
 use std::sync::Arc;
