@@ -20,6 +20,7 @@ use crate::assembler::{Frame, Places, assembled};
 use crate::derivative::Derivative;
 use crate::intern;
 use crate::interpreter::Code;
+use crate::machine::Machine;
 use crate::series::InterpretedSeries;
 
 /// The definition of a program with these values of its constants, by machine code where there may be any, if it is not to be interpreted.
@@ -116,8 +117,7 @@ fn rule(rule: scheme::Rule) -> Option<Rule> {
 struct Functions {
     interpreted: [Code; 8],
     /// None if they are to be interpreted.
-    #[cfg(feature = "jit")]
-    machine: Option<crate::machine::Machine>,
+    machine: Option<Machine>,
 }
 
 pub(crate) const FUNCTIONS: [(StepFunction, StepRole); 8] = [
@@ -149,7 +149,6 @@ impl Work for Wide<'_> {
 
 impl StepFunctions for Functions {
     fn call(&self, function: StepFunction, frame: &mut [f64]) {
-        #[cfg(feature = "jit")]
         if self.machine.as_ref().is_some_and(|machine| machine.call(function, frame)) {
             return;
         }
@@ -157,19 +156,16 @@ impl StepFunctions for Functions {
     }
 
     fn call_wide(&self, function: StepFunction, frame: &mut [[f64; LANES]]) {
-        #[cfg(feature = "jit")]
         if self.machine.as_ref().is_some_and(|machine| machine.call_wide(function, frame)) {
             return;
         }
         side_by_side(Wide { code: &self.interpreted[function as usize], frame });
     }
 
-    #[cfg(feature = "jit")]
     fn has_march(&self) -> bool {
-        self.machine.as_ref().is_some_and(crate::machine::Machine::has_march)
+        self.machine.as_ref().is_some_and(Machine::has_march)
     }
 
-    #[cfg(feature = "jit")]
     fn march(&self, then: Option<usize>) -> Option<March> {
         self.machine.as_ref()?.march(then)
     }
@@ -239,9 +235,8 @@ pub(crate) fn layout(interface: &Interface, step: &StepProgram) -> Layout {
     })
 }
 
-fn step(program: &Arc<Program>, place: usize, interpreted: bool) -> Step {
-    let (interface, all, program): (&Interface, _, &StepProgram) =
-        (&program.interface, program, &program.steps[place]);
+fn step(all: &Arc<Program>, place: usize, interpreted: bool) -> Step {
+    let (interface, program) = (&all.interface, &all.steps[place]);
     let module = &program.module;
     let layout = self::layout(interface, program);
     let mut frame = Frame::new(layout.scratch);
@@ -252,8 +247,7 @@ fn step(program: &Arc<Program>, place: usize, interpreted: bool) -> Step {
     let frame = frame.numbers();
     let functions = Functions {
         interpreted: code,
-        #[cfg(feature = "jit")]
-        machine: (!interpreted).then(|| crate::machine::Machine::new(all.clone(), place, layout.clone())),
+        machine: (!interpreted).then(|| Machine::new(all.clone(), place, layout.clone())),
     };
     let schemes = std::iter::once(&program.scheme).chain(&program.aliases);
     let mut bytes = bytes::functions(module);

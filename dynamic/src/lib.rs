@@ -84,6 +84,9 @@ mod intern;
 mod interpreter;
 #[cfg(feature = "jit")]
 mod machine;
+#[cfg(not(feature = "jit"))]
+#[path = "no_machine.rs"]
+mod machine;
 mod series;
 mod text;
 

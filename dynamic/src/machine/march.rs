@@ -7,7 +7,7 @@ use coadjoint::erased::dynamic::{Layout, Marching, row_length};
 use coadjoint_codegen::program::{Input, RecordKind, StepProgram, StepRole, solver};
 use cranelift_codegen::ir::condcodes::{FloatCC, IntCC};
 use cranelift_codegen::ir::{self, Block, BlockArg, InstBuilder, types};
-use cranelift_module::{FuncId, ModuleResult};
+use cranelift_module::FuncId;
 
 use super::Compiler;
 use super::emit::{Arrays, Emitter};
@@ -18,17 +18,13 @@ pub(super) fn has_path(step: &StepProgram, layout: &Layout) -> bool {
 }
 
 /// The function of these stages, each of which has a fast path.
-pub(super) fn defined(compiler: &mut Compiler, stages: &[(&StepProgram, &Layout)]) -> ModuleResult<FuncId> {
+pub(super) fn defined(compiler: &mut Compiler, stages: &[(&StepProgram, &Layout)]) -> Option<FuncId> {
     compiler.define(0, |emitter| March { e: emitter, stages: Vec::new() }.all(stages))
 }
 
 /// The function of a step by Newton's method, from where the solutions before point: `Newton` in `runtime/src/solve/newton.rs`, as long as nothing
 /// stalls.
-pub(super) fn newton_defined(
-    compiler: &mut Compiler,
-    step: &StepProgram,
-    layout: &Layout,
-) -> ModuleResult<FuncId> {
+pub(super) fn newton_defined(compiler: &mut Compiler, step: &StepProgram, layout: &Layout) -> Option<FuncId> {
     compiler.define(0, |emitter| March { e: emitter, stages: Vec::new() }.by_newton(step, layout))
 }
 

@@ -19,7 +19,7 @@ use cranelift_codegen::isa::OwnedTargetIsa;
 use cranelift_codegen::settings::{self, Configurable};
 use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 use cranelift_jit::{JITBuilder, JITModule};
-use cranelift_module::{FuncId, Linkage, Module as _, ModuleResult, default_libcall_names};
+use cranelift_module::{FuncId, Linkage, Module as _, default_libcall_names};
 
 use self::emit::Emitter;
 use self::outside::Outside;
@@ -88,10 +88,11 @@ impl Machine {
             let step = &self.program.steps[self.place];
             let mut ids = [None; 8];
             for (id, (function, role)) in ids.iter_mut().zip(FUNCTIONS) {
-                let code = step.module.function(role).filter(|_| is_rare(function) == rare);
-                *id = code.map(|code| compiler.function(&step.module, code, &self.layout)).transpose()?;
+                if let Some(code) = step.module.function(role).filter(|_| is_rare(function) == rare) {
+                    *id = Some(compiler.function(&step.module, code, &self.layout)?);
+                }
             }
-            Ok(ids)
+            Some(ids)
         };
         let made = self.functions[usize::from(wide)][usize::from(rare)].get_or_init(|| {
             let (ids, code) = compiled(wide, compile)?;
@@ -149,11 +150,10 @@ impl Machine {
         let stages: Vec<_> = steps.into_iter().zip(&layouts).collect();
         let have_paths = stages.iter().all(|(step, layout)| march::has_path(step, layout));
         let (id, code) = compiled(false, |compiler| match stages[..] {
-            _ if have_paths => march::defined(compiler, &stages).map(Some),
-            [(step, layout)] => march::newton_defined(compiler, step, layout).map(Some),
-            _ => Ok(None),
+            _ if have_paths => march::defined(compiler, &stages),
+            [(step, layout)] => march::newton_defined(compiler, step, layout),
+            _ => None,
         })?;
-        let id = id?;
         // SAFETY: it was compiled with this signature
         let call = unsafe {
             std::mem::transmute::<*const u8, unsafe extern "C" fn(*mut Marching)>(code.address(id))
@@ -167,12 +167,12 @@ impl Machine {
 /// What is compiled with as much stack as what derived it; none if it cannot be.
 fn compiled<R: Send>(
     wide: bool,
-    compile: impl FnOnce(&mut Compiler) -> ModuleResult<R> + Send,
+    compile: impl FnOnce(&mut Compiler) -> Option<R> + Send,
 ) -> Option<(R, Code)> {
     let processor = PROCESSOR.clone()?;
     let all = || {
         let mut compiler = Compiler::new(processor, wide);
-        let made = compile(&mut compiler).ok()?;
+        let made = compile(&mut compiler)?;
         if compiler.is_missing {
             return None;
         }
@@ -242,14 +242,14 @@ impl Compiler {
     }
 
     /// A function of an address.
-    fn define(&mut self, places: usize, body: impl FnOnce(&mut Emitter<'_, '_>)) -> ModuleResult<FuncId> {
+    fn define(&mut self, places: usize, body: impl FnOnce(&mut Emitter<'_, '_>)) -> Option<FuncId> {
         let Self { code, context, builder, outside, wide, is_missing } = self;
         let module = code.module();
         let config = module.target_config();
         let pointer = config.pointer_type();
         let mut signature = Signature::new(config.default_call_conv);
         signature.params.push(AbiParam::new(pointer));
-        let id = module.declare_anonymous_function(&signature)?;
+        let id = module.declare_anonymous_function(&signature).ok()?;
         context.func.signature = signature;
         {
             let mut imported = HashMap::new();
@@ -284,7 +284,7 @@ impl Compiler {
         }
         let defined = module.define_function(id, context);
         module.clear_context(context);
-        defined.map(|()| id)
+        defined.ok().map(|()| id)
     }
 
     fn function(
@@ -292,7 +292,7 @@ impl Compiler {
         module: &Module<StepRole>,
         function: &Function<StepRole>,
         layout: &Layout,
-    ) -> ModuleResult<FuncId> {
+    ) -> Option<FuncId> {
         let places = InStep { layout, module, function };
         self.define(module.values.places(), |emitter| emitter.whole(function, &places))
     }
