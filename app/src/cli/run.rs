@@ -15,6 +15,7 @@ use super::{Command, ensemble, play, scan};
 use crate::catalogue::{Catalogue, Entry};
 use crate::error::{Error, SetupError};
 use crate::files::{self, FileOrigin, is_stdout};
+use crate::setup::config::RunConfig;
 use crate::setup::{Column, Format, Moments};
 use crate::simulate::time_per_step;
 use crate::units::wrapped;
@@ -157,23 +158,29 @@ fn described(
     if !arguments.scan.is_empty() {
         return scan::scan(&motion, &arguments.scan, arguments, console);
     }
-    let every = arguments.every.or(config.every).unwrap_or(1);
+    // what is written is said once, by the options or by the file
+    let is_asked = arguments.every.is_some() || !arguments.at.is_empty() || arguments.every_seconds.is_some();
+    let (every, at, every_seconds) = match is_asked {
+        true => (arguments.every, arguments.at.clone(), arguments.every_seconds),
+        false => (config.every, config.at.clone(), config.every_seconds),
+    };
+    let every = every.unwrap_or(1);
     if every == 0 {
         return Err(SetupError::new("`every` must be 1 or more, got 0").into());
     }
     let format = Some(arguments.format.or(config.format).unwrap_or(Format::Csv).checked()?);
     let RunArguments { plot, watch_every_step: watch, checkpoint_every: pause, .. } = *arguments;
     let html = arguments.html.clone();
+    let plan = planned(&motion, &arguments.chosen, &config);
     let columns = if arguments.columns.is_empty() { config.columns } else { arguments.columns.clone() };
-    let plan = planned(&motion, &arguments.chosen);
-    let moments =
-        Moments { at: arguments.at.clone(), every_seconds: arguments.every_seconds, ..plan.moments };
+    let moments = Moments { at, every_seconds, ..plan.moments };
     let plan = Plan { every, columns, moments, watch, format, plot, html, pause, ..plan };
     execute(motion.entry, plan, arguments.open, arguments.checkpoint.as_deref(), console)
 }
 
 /// Plans a run that looks at every step and writes nothing.
-fn planned(motion: &Motion<'_>, chosen: &ChosenRun) -> Plan {
+fn planned(motion: &Motion<'_>, chosen: &ChosenRun, config: &RunConfig) -> Plan {
+    let event = if chosen.event.is_empty() { config.event.clone() } else { chosen.event.clone() };
     Plan {
         system: motion.entry.name.clone(),
         setup: motion.setup.clone(),
@@ -181,8 +188,8 @@ fn planned(motion: &Motion<'_>, chosen: &ChosenRun) -> Plan {
         every: 1,
         columns: Vec::new(),
         quantity: chosen.quantity.clone(),
-        until: chosen.until.clone(),
-        moments: Moments { event: chosen.event.clone(), ..Moments::default() },
+        until: chosen.until.clone().or_else(|| config.until.clone()),
+        moments: Moments { event, ..Moments::default() },
         watch: true,
         format: None,
         plot: false,
@@ -230,8 +237,8 @@ pub(crate) fn view(
         return Err(SetupError::new("a page is a file: `--html FILE` says where it goes").into());
     }
     let mut console = output.on(stdout, false)?;
-    let (motion, _) = chosen.motion(catalogue, &mut console)?;
-    let mut plan = planned(&motion, chosen);
+    let (motion, config) = chosen.motion(catalogue, &mut console)?;
+    let mut plan = planned(&motion, chosen, &config);
     let stem = plan.provenance(motion.entry).stem(motion.entry, &plan.job);
     plan.html = Some(html.clone().unwrap_or_else(|| plan.out.join(format!("{stem}.html"))));
     execute(motion.entry, plan, *open, None, &mut console)

@@ -50,6 +50,16 @@ pub(crate) struct RunConfig {
     pub(crate) duration: Option<f64>,
     /// Write every so many steps.
     pub(crate) every: Option<u64>,
+    /// Write the states at these times, s.
+    #[serde(default)]
+    pub(crate) at: Vec<f64>,
+    /// Write the states at 0, so much later, and so on, s.
+    pub(crate) every_seconds: Option<f64>,
+    /// End at the moment from which on this holds.
+    pub(crate) until: Option<String>,
+    /// Events, as the command line takes them.
+    #[serde(default)]
+    pub(crate) event: Vec<String>,
     /// Further columns of the table.
     #[serde(default)]
     pub(crate) columns: Vec<Column>,
@@ -66,7 +76,15 @@ impl Config {
         let text = read_text(path).map_err(FileError::read(path))?;
         let wrong =
             |error: toml::de::Error| SetupError::new(error.to_string().trim_end()).within(path.display());
-        Ok(toml::from_str(&text).map_err(wrong)?)
+        let config: Self = toml::from_str(&text).map_err(wrong)?;
+        let RunConfig { every, at, every_seconds, .. } = &config.run;
+        if [every.is_some(), !at.is_empty(), every_seconds.is_some()].into_iter().filter(|is| *is).count() > 1
+        {
+            let reason =
+                "[run]: `every`, `at` and `every_seconds` each say what is written; give one of them";
+            return Err(SetupError::new(reason.to_owned()).within(path.display()).into());
+        }
+        Ok(config)
     }
 
     /// Sets the parameters and the initial state that the file gives.
@@ -163,6 +181,9 @@ order = 2                    # 2; 4, 6, 8 and 10 are composed of its steps, or t
 {:28} # s; negative to go back in time
 {:28} # s
 every = 1                    # write the state after every so many steps
+# at = [0.1, 0.25]           # or at these times, s, or every_seconds = 0.1
+event = []                   # tell when a quantity is zero: \"upright = gamma_z, rising\"
+# until = \"energy < 0.5\"     # end at the moment from which on this holds
 columns = []                 # and beside it any of \"velocity\", \"euler\", \"rotvec\", \"mrp\", \"angle\"
 format = \"csv\"               # csv, json or parquet",
         format!("retraction = \"{}\"", Retraction::Exponential.or_first_of(entry).name()),

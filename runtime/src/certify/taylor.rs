@@ -70,8 +70,8 @@ pub fn certify_taylor(
         let (end, reference) = (10.0 * step, one.after(1e-15, None, 10.0 * step)?);
         least_step = least_step.min(step);
 
-        let coarse = one.after(1e-4, Some(step), end)?;
-        let fine = one.after(1e-4, Some(0.5 * step), end)?;
+        let coarse = one.after(1e-4, Some(0.5 * step), end)?;
+        let fine = one.after(1e-4, Some(0.25 * step), end)?;
         let [coarse, fine] = [coarse, fine].map(|state| distance(&state, &reference));
         // below that all is rounding
         if fine > 1e-13 {

@@ -43,6 +43,35 @@ pub fn advance(
     Run::new(stepper, state).until(|tick| tick.state.gamma.z < 0.0).steps(steps)
 }
 
+/// What hangs on a spring that is not linear.
+#[lie_poisson_system(
+    group = R1,
+    potential = stiffness * position.x.powi(4) / 4.0,
+    event(middle = position.x, rising),
+    taylor,
+)]
+pub struct Hanging {
+    /// kg
+    #[inertia]
+    pub mass: f64,
+    /// N/m³
+    pub stiffness: f64,
+}
+
+/// Counts the passes until a time, by Taylor steps.
+///
+/// # Errors
+/// If a step cannot be taken.
+pub fn passes(
+    trajectory: &mut coadjoint::taylor::Adaptive<Hanging>,
+    state: &mut HangingState,
+    time: f64,
+) -> Result<u32, RunError> {
+    let mut passes = 0;
+    Run::new(trajectory, state).on("middle", |_| passes += 1).to(time)?;
+    Ok(passes)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -59,5 +88,15 @@ mod tests {
         assert_eq!(report.steps, 400);
         // the motion's own error at this step, and f32's roundoff
         assert!((body.energy(&state) - before).abs() < 2e-5, "{} {before}", body.energy(&state));
+    }
+
+    #[test]
+    fn it_takes_taylor_steps() {
+        let hanging = Hanging { mass: 1.0, stiffness: 1.0 };
+        let mut state = HangingState { position: vector![1.0], momentum: vector![0.0] };
+        let mut trajectory = hanging.adaptive(1e-12).expect("valid parameters");
+        // a period is 7.4163 s
+        assert_eq!(passes(&mut trajectory, &mut state, 74.163).expect("an easy motion"), 10);
+        assert!((hanging.energy(&state) - 0.25).abs() < 1e-12);
     }
 }

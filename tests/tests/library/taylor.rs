@@ -10,7 +10,7 @@ use coadjoint::error::{ParameterError, StepError};
 use coadjoint::nalgebra::Translation3;
 use coadjoint::prelude::*;
 use coadjoint::taylor::PowerSeries;
-use coadjoint::{Discretized, Record, Run, State, System, erased};
+use coadjoint::{Discretized, Record, Run, State, System, erased, taylor};
 use serde_json::Value;
 
 /// A free rigid body with axes that are not principal ones.
@@ -159,6 +159,13 @@ struct Four {
 )]
 struct Functions {}
 
+/// What slides to and fro in a kink.
+#[lie_poisson_system(group = R1, potential = position.x.abs(), taylor, retractions(Exponential))]
+struct Kinked {
+    #[inertia]
+    mass: f64,
+}
+
 fn attitude() -> UnitQuaternion<f64> {
     UnitQuaternion::from_euler_angles(0.3, -0.5, 0.2)
 }
@@ -264,6 +271,65 @@ fn taylor_steps_follow_the_motion_of_each_kind_of_system() {
     check("a body in four dimensions", &four, start, NoControl::default(), 5.0);
     let start = FunctionsState { position: vector![0.7], momentum: vector![0.4] };
     check("all functions", &Functions {}, start, NoControl::default(), 2.0);
+}
+
+#[test]
+fn claims_are_measured() {
+    use coadjoint::certify::{CertifyError, Verdict, certify_taylor};
+    let certified = |system: Arc<dyn erased::System>, state: &[f64], control: &[f64]| {
+        let report = certify_taylor(system, &[state.to_vec()], &[control.to_vec()]).unwrap();
+        assert!(report.passed(), "{report}");
+        report
+    };
+    let top = Top { inertia: vector![1.0, 10.0, 100.0], weight: 1.0, chi: vector![0.3, 0.2, 1.0] };
+    let report = certified(Arc::new(top), &[1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.6, 0.8], &[]);
+    let names: Vec<_> = report.certificates.iter().map(|row| row.name.as_str()).collect();
+    let expected = [
+        "order",
+        "group",
+        "|gamma|²",
+        "momentum·gamma",
+        "error by tolerance",
+        "energy by tolerance",
+        "reversibility",
+    ];
+    assert_eq!(names, expected);
+    let order = report.certificate("order").unwrap();
+    assert!(order.verdict == Verdict::Passed && (order.figure - 6.0).abs() < 0.3, "{report}");
+    let (system, start, control) = pendulum();
+    let report = certified(Arc::new(system), &start.to_components(), &[control.torque]);
+    assert!(report.certificate("energy by tolerance").is_none());
+    // across a kink the order is lost
+    let report = certify_taylor(Arc::new(Kinked { mass: 1.0 }), &[vec![0.01, -1.0]], &[]).unwrap();
+    assert_eq!(report.certificate("order").unwrap().verdict, Verdict::Failed, "{report}");
+    let error = certify_taylor(Arc::new(Functions {}), &[], &[]).unwrap_err();
+    assert_eq!(error, CertifyError::NoStates);
+}
+
+#[test]
+fn members_of_an_ensemble_end_as_if_alone() {
+    let top = Top { inertia: vector![1.0, 10.0, 100.0], weight: 1.0, chi: vector![0.3, 0.2, 1.0] };
+    let start = |k: usize| TopState {
+        attitude: attitude(),
+        momentum: vector![1.0 + 0.1 * k as f64, 1.0, 5.0],
+        gamma: vector![0.0, 0.6, 0.8],
+    };
+    let mut members: Vec<_> = (0..9).map(|k| (top.adaptive(1e-9).unwrap(), start(k))).collect();
+    members[4].1.momentum.x = f64::NAN;
+    for time in [1.0, 2.5, 10.0] {
+        let reports = taylor::all_to(&mut members, time);
+        assert_eq!(reports.iter().filter(|report| report.is_err()).count(), 1);
+        assert!(reports[4].is_err() && members[0].0.time() == time);
+    }
+    for (k, (_, state)) in members.iter().enumerate().filter(|(k, _)| *k != 4) {
+        let (mut alone, mut trajectory) = (start(k), top.adaptive(1e-9).unwrap());
+        for time in [1.0, 2.5, 10.0] {
+            trajectory.to(&mut alone, time).unwrap();
+        }
+        assert_eq!(*state, alone);
+    }
+    let steps: Vec<u64> = members.iter().map(|(trajectory, _)| trajectory.steps_taken()).collect();
+    assert!(steps[0] != steps[8], "{steps:?}");
 }
 
 /// A case: its name, the top, its start, and its states at times.
