@@ -182,7 +182,8 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
         T: Framed,
     {
         let Memory { predictor, tolerance, .. } = &mut self.memory;
-        Lent::new(frame, predictor.remembered(), *tolerance, clock, most)
+        let Clock { start, step, taken } = clock;
+        Lent::new(frame, predictor.remembered(), *tolerance, (start, step, taken), most)
     }
 
     /// Whether earlier solutions point to the next one.

@@ -7,7 +7,6 @@ use std::sync::Arc;
 use std::vec::Vec;
 
 use super::frame::Framed;
-use crate::method::Clock;
 use crate::scalar::rows::Row;
 use crate::scalar::{Components, Real};
 
@@ -106,7 +105,7 @@ impl<'a> Lent<'a> {
         frame: &'a mut [T::Row],
         remembered: Remembered<'a, T, U>,
         tolerance: T,
-        clock: Clock,
+        (start, step, taken): (f64, f64, u64),
         most: u64,
     ) -> Self {
         let Remembered { ring, next, solution, oldest } = remembered;
@@ -117,9 +116,9 @@ impl<'a> Lent<'a> {
             next: next.as_mut().as_mut_ptr().cast(),
             solution: solution.as_mut().as_mut_ptr().cast(),
             tolerance: tolerance.lane(0).to_f64(),
-            start: clock.start,
-            step: clock.step,
-            taken: clock.taken,
+            start,
+            step,
+            taken,
             most,
             oldest: oldest.into(),
             steps: 0,
