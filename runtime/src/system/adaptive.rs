@@ -2,10 +2,10 @@
 
 #[cfg(doc)]
 use super::System;
+use super::pace::Pace;
 use super::series::{MOST_COEFFICIENTS, PowerSeries, Series};
 use crate::error::ParameterError;
 use crate::scalar::{Batch, Components as _, Scalar};
-use crate::taylor::Pace;
 
 /// The lowest order: the rule for the step looks at the last two terms.
 pub(crate) const LEAST_ORDER: usize = 4;

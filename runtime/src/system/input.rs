@@ -5,9 +5,9 @@
 //! relative to the largest that the input has been; a step over which it is not as close as the tolerance is made shorter. So a jump is closed in on, and crossed by a step so short that it changes no more than the tolerance
 //! allows.
 
+use super::pace::{Pace, SHORTEST, Wanted};
 use super::series::{Length, MOST_COEFFICIENTS};
 use crate::scalar::Scalar;
-use crate::taylor::{Pace, SHORTEST, Wanted};
 
 /// Coefficients, at most: more need more digits than doubles have.
 const MOST: usize = 13;

@@ -31,26 +31,24 @@
 
 use core::fmt;
 
-mod pace;
-
 use crate::error::{ParameterError, StepError};
 #[cfg(feature = "std")]
 use crate::run::Run;
 use crate::scalar::{Batch, Components as _, Real, Scalar as _};
 use crate::stepper::report::{RunError, RunReport};
-use crate::stepper::{Inputs, StepReport, Stepping, check_deviation};
+use crate::stepper::{Inputs, StepReport, Stepping, check_deviation, check_step};
 #[cfg(doc)]
 use crate::system::System;
 pub use crate::system::adaptive::Adaptive;
 use crate::system::adaptive::LEAST_ORDER;
 use crate::system::input;
+use crate::system::pace::{Pace, Wanted};
 use crate::system::series;
 pub use crate::system::series::PowerSeries;
 use crate::system::series::{Advance, Coefficients, Length, MOST_COEFFICIENTS, Start};
 #[doc(hidden)]
 pub use crate::system::series::{Leading, Next, SeriesVisitor};
 use crate::system::{Control, Dynamics, State};
-pub(crate) use pace::{Pace, SHORTEST, Wanted};
 
 impl<S: PowerSeries> Adaptive<S> {
     /// Takes steps of this order, whatever the tolerance: from 4 to 32.
@@ -70,7 +68,8 @@ impl<S: PowerSeries> Adaptive<S> {
     /// # Errors
     /// If the step is zero or not finite.
     pub fn with_step(mut self, step: f64) -> Result<Self, ParameterError> {
-        self.pace.set_step_size(step)?;
+        check_step(step)?;
+        self.pace.fixed = Some(step);
         Ok(self)
     }
 
@@ -367,7 +366,9 @@ impl<S: PowerSeries> Stepping for Adaptive<S> {
 
     /// Takes steps of this length from now on, whatever the tolerance.
     fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError> {
-        self.pace.set_step_size(step)
+        check_step(step)?;
+        self.pace.fixed = Some(step);
+        Ok(())
     }
 
     fn is_adaptive(&self) -> bool {

@@ -9,11 +9,12 @@ use crate::erased::adaptive::TaylorSteps;
 use crate::erased::system::{Geometry as _, length};
 use crate::error::{ParameterError, StepError};
 use crate::scalar::Scalar;
-use crate::stepper::{Inputs, StepReport, check_deviation};
+use crate::stepper::{Inputs, StepReport, check_deviation, check_step};
 use crate::system::adaptive::{LEAST_ORDER, order};
 use crate::system::input::{Polynomial, fitted};
+use crate::system::pace::{Pace, Wanted};
 use crate::system::series::{Coefficients, Length, MOST_COEFFICIENTS, Terms};
-use crate::taylor::{EXPLICIT, Pace, Wanted};
+use crate::taylor::EXPLICIT;
 
 /// The recurrences of a motion's power series, on a frame that keeps what depends on the start of a step.
 pub trait SeriesFunctions: Send + Sync + 'static {
@@ -253,7 +254,9 @@ impl TaylorSteps for DynamicTaylor {
     }
 
     fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError> {
-        self.pace.set_step_size(step)
+        check_step(step)?;
+        self.pace.fixed = Some(step);
+        Ok(())
     }
 
     fn set_end(&mut self, time: f64) {

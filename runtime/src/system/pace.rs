@@ -1,8 +1,7 @@
 //! How Taylor steps follow each other in time.
 
+use super::series::Length;
 use crate::error::{ParameterError, StepError};
-use crate::stepper::check_step;
-use crate::system::series::Length;
 
 /// The time of a trajectory, and what is asked of the length of its steps.
 #[derive(Clone, Copy, Debug)]
@@ -68,12 +67,6 @@ impl Pace {
     /// Leaves the last step: what lies within it is not to be had any more.
     pub(crate) fn leave(&mut self) {
         self.from = f64::NAN;
-    }
-
-    pub(crate) fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError> {
-        check_step(step)?;
-        self.fixed = Some(step);
-        Ok(())
     }
 
     pub(crate) fn has_ended(&self) -> bool {
