@@ -1,0 +1,1 @@
+//! Modules for systems that are compiled ahead.
