@@ -45,6 +45,30 @@ class Text:
     def __str__(self) -> str:
         return "\n".join(self.lines)
 
+    def unbalanced(self) -> Place | None:
+        """The first bracket of the user's strings that is not closed where it was opened, or was not opened."""
+        pairs = {")": "(", "]": "[", "}": "{"}
+        seen: dict[str, list[tuple[str, int, int, str]]] = {}
+        shown = set()
+        for origin in self.origins:
+            if origin is None or (origin[0], origin[1]) in shown:
+                continue
+            source, number, _, text = origin
+            shown.add((source, number))
+            opened = seen.setdefault(source, [])
+            for column, char in enumerate(re.sub(r"//.*", "", text), 1):
+                if char in "([{":
+                    opened.append((char, number, column, text))
+                elif char in pairs:
+                    if not opened or opened[-1][0] != pairs[char]:
+                        return Place(source, number, column, 1, text)
+                    opened.pop()
+        for source, opened in seen.items():
+            if opened:
+                _, number, column, text = opened[-1]
+                return Place(source, number, column, 1, text)
+        return None
+
     def problem(self, message: str, place: tuple[int, int, int, str] | None) -> Problem:
         """A problem at a place of this text, at its place in the user's string."""
         if place is None:
@@ -52,12 +76,8 @@ class Text:
         line, column, width, _ = place
         origin = self.origins[line - 1] if line <= len(self.origins) else None
         if origin is None:
-            # of what stands around the user's string: the nearest one before it is meant
-            before = [known for known in self.origins[: line - 1] if known is not None]
-            if not before:
-                return Problem(message, None)
-            source, number, _, text = before[-1]
-            return Problem(message, Place(source, number, max(len(text), 1), 1, text))
+            # it is about what stands around the user's strings
+            return Problem(message, None)
         source, number, moved, text = origin
         column = max(column + moved, 1)
         return Problem(message, Place(source, number, column, max(min(width, len(text) - column + 1), 1), text))
@@ -204,5 +224,9 @@ def derive(text: Text, name: str | None) -> _native.Model:
     problems = []
     for one in found:
         place = one.place
-        problems.append(text.problem(one.message, place and (place.line, place.column, place.width, place.text)))
+        problem = text.problem(one.message, place and (place.line, place.column, place.width, place.text))
+        if "no text of Rust" in problem.message:
+            # the lexer tells of brackets that are ours too
+            problem.place = text.unbalanced() or problem.place
+        problems.append(problem)
     raise DescriptionError("\n\n".join(one.shown() for one in problems), problems)

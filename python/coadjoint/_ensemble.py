@@ -80,7 +80,7 @@ def ensemble(
     parameters: Any,
     t_span: Any,
     step: float,
-    scheme: str,
+    scheme: str | None,
     order: int | None,
     n: int | None,
     controls: Any,
@@ -108,7 +108,7 @@ def ensemble(
     steps = round(whole)
     if abs(whole - steps) > 1e-9 * max(whole, 1.0):
         raise ValueError(f"an ensemble takes whole steps: {whole} steps of {own} lead from {span[0]} to {span[1]}")
-    name = scheme_name(scheme, order)
+    name = scheme_name(layout, scheme, order)
     if device != "cpu":
         if device != "cuda":
             raise ValueError(f"there is no device {device!r}: 'cpu' or 'cuda'")

@@ -54,6 +54,9 @@ class Problem:
 class DescriptionError(ValueError):
     """A description that no system can be made of: all its problems, each at its place in the string it stands in."""
 
+    __module__ = "coadjoint"
+
+    #: All that is wrong, in the order of the strings.
     problems: list[Problem]
 
     def __init__(self, message: str, problems: list[Any] | None = None) -> None:
@@ -66,6 +69,8 @@ class DescriptionError(ValueError):
 
 class StepError(ArithmeticError):
     """A step that could not be taken; the time and the state from which, and of a run what it led to until then."""
+
+    __module__ = "coadjoint"
 
     #: The time from which the step could not be taken.
     t: float

@@ -46,15 +46,21 @@ def law(system: BoundSystem, controls: Any) -> tuple[Any, str, Callable[[float],
     if not layout.quantities:
         raise ValueError(f"{system.name} has no controls")
     if callable(controls):
+
+        def chosen(value: Any) -> Array:
+            if value is None:
+                raise TypeError("the function of the controls returned None")
+            return system._control(value)
+
         if arity(controls) == 1:
 
             def driven(t: float) -> Array:
-                return system._control(controls(t))
+                return chosen(controls(t))
 
             return ("driven", driven, None), "driven", driven
 
         def feedback(t: float, y: Array) -> Array:
-            return system._control(controls(t, State(system.system._state, y)))
+            return chosen(controls(t, State(system.system._state, y)))
 
         return ("feedback", feedback, None), "feedback", None
     if isinstance(controls, tuple) and len(controls) == 2 and not np.isscalar(controls[0]):
@@ -106,7 +112,7 @@ def run(
     y0: Any,
     t_span: Any,
     step: float | None,
-    scheme: str,
+    scheme: str | None,
     order: int | None,
     tolerance: float | None,
     controls: Any,
@@ -119,7 +125,7 @@ def run(
     span, start = span_of(t_span), system.state(y0).flat
     if (step is None) == (tolerance is None):
         raise TypeError("a run needs either a `step` or a `tolerance`")
-    name = scheme_name(scheme, order)
+    name = scheme_name(system.system, scheme, order)
     own = None if step is None else step_of(step, span)
     if int(every) != every or every < 1:
         raise ValueError(f"`every` must be a whole number of steps, 1 or more, not {every!r}")

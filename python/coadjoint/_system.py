@@ -33,8 +33,10 @@ SCHEMES = {
 ORDERS = (4, 6, 8, 10)
 
 
-def scheme_name(scheme: str, order: int | None) -> str:
-    """The library's name of a scheme: a word in small letters, or that name itself, of this order."""
+def scheme_name(system: System, scheme: str | None, order: int | None) -> str:
+    """The library's name of a scheme: a word in small letters, or that name itself, of this order. By default the exponential, where there is one."""
+    if scheme is None:
+        scheme = "exponential" if any("<Exponential" in known for known in system.schemes) else "cayley"
     if not isinstance(scheme, str):
         raise TypeError(f"a scheme is a string such as 'exponential' or 'Midpoint<Cayley>', not {type(scheme).__name__}")
     if scheme == "hamilton-jacobi":
@@ -76,13 +78,13 @@ class System:
 
     or by a whole text of Rust, a file of the catalogue for example. What is wrong is told at its place in the string:
 
-    >>> co.System(group="SO3", potential="wait * attitude.w", inertia="inertia: Vector3", parameters="weight: float")
+    >>> co.System(group="SO3", potential="weigth * attitude.w", inertia="inertia: Vector3", parameters="weight: float")
     Traceback (most recent call last):
-    coadjoint.DescriptionError: error: there is no `wait` here; did you mean `weight`?
+    coadjoint.DescriptionError: error: there is no `weigth` here; did you mean `weight`?
      --> potential:1:1
       |
-    1 | wait * attitude.w
-      | ^^^^
+    1 | weigth * attitude.w
+      | ^^^^^^
     """
 
     def __init__(
@@ -379,7 +381,7 @@ class BoundSystem:
 
     # -- steps -------------------------------------------------------------------------------------------------------------------------------
 
-    def stepper(self, step: float, scheme: str = "exponential", order: int | None = None, t: float = 0.0) -> _native.Stepper:
+    def stepper(self, step: float, scheme: str | None = None, order: int | None = None, t: float = 0.0) -> _native.Stepper:
         """What takes steps one by one, each with one call that changes the state's array.
 
         >>> import coadjoint as co
@@ -390,7 +392,7 @@ class BoundSystem:
         >>> stepper.t
         0.1
         """
-        stepper = _native.Stepper(self._native, scheme_name(scheme, order), float(step))
+        stepper = _native.Stepper(self._native, scheme_name(self.system, scheme, order), float(step))
         if t:
             stepper.t = t
         return stepper
@@ -401,7 +403,7 @@ class BoundSystem:
         t_span: float | tuple[float, float],
         *,
         step: float | None = None,
-        scheme: str = "exponential",
+        scheme: str | None = None,
         order: int | None = None,
         tolerance: float | None = None,
         controls: Any = None,
@@ -416,7 +418,7 @@ class BoundSystem:
         y0: the state: by name in a dict, a `State`, or a flat array.
         t_span: start and end; a number is the end of a run from 0.
         step: the length of the steps. The last one is shorter where whole steps do not lead to the end.
-        scheme, order: the steps: `exponential`, `cayley`, `midpoint`, `verlet` … or the library's name, `Midpoint<Cayley>`; of order 2, or composed
+        scheme, order: the steps: `exponential`, the default, `cayley`, `midpoint`, `verlet` … or the library's name, `Midpoint<Cayley>`; of order 2, or composed
             to 4, 6, 8 or 10.
         tolerance: in place of `step`, Taylor steps, each as long as this error allows: the description needs `taylor`.
         controls: an array or a dict that is held; `(times, values)`, each held until the next; a function of `t`; or one of `t, y`, asked before each step.
@@ -439,7 +441,7 @@ class BoundSystem:
         *,
         t_span: float | tuple[float, float],
         step: float,
-        scheme: str = "cayley",
+        scheme: str | None = None,
         order: int | None = None,
         n: int | None = None,
         controls: Any = None,
@@ -465,7 +467,7 @@ class BoundSystem:
     def certify(
         self,
         states: Any,
-        scheme: str = "exponential",
+        scheme: str | None = None,
         order: int | None = None,
         *,
         controls: Any = None,
@@ -490,14 +492,14 @@ class BoundSystem:
             ) else self.system._state.rows(states, None)
         inputs = self._control(controls) if controls is None or isinstance(controls, Mapping) else numbers(controls, "the controls")
         text, passed, certificates = self._native.certify(
-            scheme_name(scheme, order), np.ascontiguousarray(rows).ravel(), inputs.ravel(), step
+            scheme_name(self.system, scheme, order), np.ascontiguousarray(rows).ravel(), inputs.ravel(), step
         )
         return Report(tuple(Certificate(*one) for one in certificates), passed, text)
 
     # -- derivatives -------------------------------------------------------------------------------------------------------------------------
 
     def jacobian(
-        self, y: Any, step: float, scheme: str = "exponential", order: int | None = None, *, t: float = 0.0, control: Any = None
+        self, y: Any, step: float, scheme: str | None = None, order: int | None = None, *, t: float = 0.0, control: Any = None
     ) -> Jacobian:
         """One step with its derivatives; the description needs `derivatives`.
 
@@ -506,7 +508,7 @@ class BoundSystem:
         """
         state = self.state(y).flat
         following, parts = self._native.jacobian(
-            scheme_name(scheme, order), float(step), state, float(t), self._control(control)
+            scheme_name(self.system, scheme, order), float(step), state, float(t), self._control(control)
         )
         rows = self._native.dimension
         matrices = [entries.reshape(columns, rows).T for columns, entries in parts]
