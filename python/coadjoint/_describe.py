@@ -223,8 +223,8 @@ def derive(text: Text, name: str | None) -> _native.Model:
         found = error.problems
     problems = []
     for one in found:
-        place = one.place
-        problem = text.problem(one.message, place and (place.line, place.column, place.width, place.text))
+        at = one.place
+        problem = text.problem(one.message, None if at is None else (at.line, at.column, at.width, at.text))
         if "no text of Rust" in problem.message:
             # the lexer tells of brackets that are ours too
             problem.place = text.unbalanced() or problem.place

@@ -47,7 +47,8 @@ class EnsembleSolution:
     @property
     def end(self) -> State:
         """The last states, one for each member."""
-        return self.y[-1]
+        end: State = self.y[-1]
+        return end
 
     @property
     def ok(self) -> np.ndarray:

@@ -6,7 +6,7 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Ensemble", "Model", "Stepper", "System", "catalogue"]
+__all__ = ["Ensemble", "Model", "Stepper", "System", "__version__", "catalogue"]
 
 __version__: str
 

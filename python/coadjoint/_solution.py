@@ -252,7 +252,8 @@ class Solution:
     @cached_property
     def energy(self) -> Array:
         """The energy at the times."""
-        return self.system.energy(self.y, self.t, None if self.controls is None else self.controls.flat)
+        energies: Array = self.system.energy(self.y, self.t, None if self.controls is None else self.controls.flat)
+        return energies
 
     @cached_property
     def casimirs(self) -> Array:

@@ -51,7 +51,7 @@ class Quantity:
         if self.role != "configuration":
             return numbers
         if self.kind == "matrix":
-            return np.eye(*self.shape).ravel()
+            return np.eye(self.shape[0]).ravel()
         if self.kind not in ("scalar", "vector"):
             numbers[0] = 1.0
         return numbers
@@ -175,6 +175,7 @@ class State:
 
     __slots__ = ("_layout", "flat")
 
+    _layout: Layout
     #: All numbers, in the order of the system's `state_quantities`, along the last axis.
     flat: Array
 
