@@ -17,6 +17,7 @@ use coadjoint_codegen::quantity;
 use coadjoint_codegen::scheme;
 
 use crate::assembler::{Frame, Places, assembled};
+use crate::derivative::Derivative;
 use crate::intern;
 use crate::interpreter::Code;
 
@@ -218,6 +219,7 @@ fn step(interface: &Interface, program: &StepProgram) -> Step {
         places: module.values.places(),
         frame: frame.numbers(),
         functions: Box::new(Interpreted(code)),
+        derivative: program.derivative.as_ref().map(|module| Derivative::boxed(module, interface)),
         layout,
     }
 }

@@ -62,8 +62,7 @@
 //!
 //! # What is different
 //!
-//! Numbers are `f64`. There are no derivatives of steps, and none with compensated sums or fused operations: these are compiled for each
-//! system. A step takes about ten times as long as a compiled one; of an [ensemble](coadjoint::erased::Ensemble), whose members go through
+//! Numbers are `f64`. There are no steps with compensated sums or fused operations: these are compiled for each system. A step takes about ten times as long as a compiled one; of an [ensemble](coadjoint::erased::Ensemble), whose members go through
 //! each operation side by side, any scheme can be taken.
 
 /// The guide's page, whose code is compiled here.
@@ -73,6 +72,7 @@ mod at_run_time {}
 
 mod assembler;
 mod definition;
+mod derivative;
 mod intern;
 mod interpreter;
 mod text;

@@ -10,7 +10,7 @@
 //! 5. acceptance: the next state, all margins of [`StepRole::Domain`](super::StepRole::Domain) positive, and everything finite.
 //!
 //! Simplified Newton steps, of Hamilton–Jacobi steps, have a predictor of their own, the differences from the explicit start, and a few of them
-//! stand on the fast path. The header has none of that: its steps are the same to rounding.
+//! stand on the fast path.
 //!
 //! A test holds the numbers against the library's.
 

@@ -22,6 +22,7 @@ described! { HEAVY_TOP:
         potential = weight * gamma.dot(&chi),
         methods(Midpoint, TangentMidpoint),
         retractions(Exponential, Cayley, SecondKind),
+        derivatives,
     )]
     struct HeavyTop {
         #[inertia]
@@ -32,7 +33,7 @@ described! { HEAVY_TOP:
 }
 
 described! { BODY:
-    #[lie_poisson_system(group = SO3, methods(HamiltonJacobi(4)))]
+    #[lie_poisson_system(group = SO3, methods(HamiltonJacobi(4)), derivatives(state))]
     struct Body {
         #[inertia]
         inertia: Matrix3<f64>,
@@ -50,6 +51,7 @@ described! { PENDULUM:
             kinetic + mass * GRAVITY * (2.0 * first.cos_angle() + second.cos_angle())
         },
         force(first = motor - friction * first_velocity),
+        derivatives,
     )]
     struct Pendulum {
         mass: f64,
@@ -81,8 +83,11 @@ fn same(
             let velocity = system.with_velocity(&state, 0.5, control);
             let bits: Vec<u64> = state.iter().map(|x| x.to_bits()).collect();
             let memory: Vec<u64> = stepper.snapshot().iter().map(|x| x.to_bits()).collect();
-            (bits, format!("{report:?} {velocity:?}"), memory)
+            let jacobian = stepper.step_with_jacobian(&mut state, control);
+            let shown = format!("{report:?} {velocity:?} {jacobian:?}");
+            (bits, shown, memory)
         };
+        // numbers are shown with all their digits
         assert_eq!(run(&typed), run(&dynamic), "{scheme}");
     }
 }
@@ -127,6 +132,27 @@ fn a_lagrangian_that_is_driven() {
     same(pendulum.clone(), PENDULUM, &schemes, (&state, &[1.5]), 0.01);
     // what is not finite is refused alike
     same(pendulum, PENDULUM, &schemes, (&state, &[f64::NAN]), 0.01);
+}
+
+#[test]
+fn derivatives_of_one_step() {
+    let pendulum = Arc::new(Model::from_text(PENDULUM).unwrap().system(&[0.7, 0.2]));
+    let state = [1.0, 0.0, 0.3, 0.96_f64.cos(), 0.96_f64.sin(), -0.4];
+    let mut stepper = erased::Stepper::new(pendulum, &"Order4<Cayley>".parse().unwrap(), 0.01).unwrap();
+    let (jacobian, _) = stepper.step_with_jacobian(&mut state.clone(), &[1.5]).unwrap();
+    assert_eq!(
+        [jacobian.state.shape(), jacobian.control.shape(), jacobian.parameters.shape()],
+        [(4, 4), (4, 1), (4, 2)]
+    );
+    // a motor's impulse is the momentum that it gives, but for what friction and gravity take in the time of one step
+    assert!((jacobian.control[(1, 0)] - 0.01).abs() < 1e-4, "{}", jacobian.control);
+    assert!(jacobian.parameters[(1, 0)].abs() > 1e-3);
+    // of what the description does not ask for there are none
+    let body = Model::from_text(&PENDULUM.replace(", derivatives", "")).unwrap();
+    let body = Arc::new(body.system(&[0.7, 0.2]));
+    let mut stepper = erased::Stepper::new(body, &"Cayley".parse().unwrap(), 0.01).unwrap();
+    let error = stepper.step_with_jacobian(&mut state.clone(), &[1.5]).unwrap_err();
+    assert!(error.to_string().contains("derivatives"), "{error}");
 }
 
 #[test]

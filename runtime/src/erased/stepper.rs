@@ -5,12 +5,14 @@ use std::boxed::Box;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::vec::Vec;
 
+use nalgebra::DVector;
 use thiserror::Error;
 
 use super::composition;
 use super::field::ByFunction;
 use super::jacobian::{self, Jacobian, JacobianError};
-use super::system::{At, System, check_length, length};
+use super::system::{At, System, check, check_length, length};
+use crate::derivative::Parts;
 use crate::error::{ParameterError, StepError};
 use crate::flat::{self, Method, NotGenerated};
 use crate::method::{Advanced, Clock, Counted};
@@ -306,12 +308,82 @@ impl Stepper {
         control: &[f64],
     ) -> Result<(Jacobian, StepReport), JacobianError> {
         self.check(state)?;
-        let missing = |scheme| JacobianError::NotGenerated { scheme, system: self.system.description().name };
-        let Some(scheme) = &self.scheme else { return Err(missing("a method of one's own".into())) };
         let at = At { step: self.step, state, time: self.time(), control };
-        let jacobian = jacobian::jacobian(&*self.system, scheme, &at)?;
+        let jacobian = jacobian::jacobian(&*self.system, self.scheme()?, &at)?;
         let report = self.step(state, control)?;
         Ok((jacobian, report))
+    }
+
+    /// Differentiates a function of the state at the end of some steps, backwards: [`CheckpointedTape`](crate::derivative::CheckpointedTape)
+    /// with its types erased.
+    ///
+    /// `states` are those at the start of each step, the first of them at this time; `control` gives the controls of each step, counted
+    /// from 0; `costate` is the function's derivative at the end, in [left-trivialized coordinates](crate::derivative#coordinates). What
+    /// comes back are the derivatives with respect to the first state, to the controls of each step, and to the parameters.
+    ///
+    /// ```
+    /// use coadjoint::erased;
+    /// use coadjoint::prelude::*;
+    /// use std::sync::Arc;
+    ///
+    /// #[lie_poisson_system(group = SO3, derivatives)]
+    /// struct Body {
+    ///     #[inertia]
+    ///     inertia: Vector3<f64>,
+    /// }
+    ///
+    /// let inertia = vector![1.0, 2.0, 2.5];
+    /// let mut stepper = erased::Stepper::new(Arc::new(Body { inertia }), &"Cayley".parse()?, 0.01)?;
+    /// let mut state = vec![1.0, 0.0, 0.0, 0.0, 0.4, -0.8, 1.5];
+    /// let mut states = Vec::new();
+    /// for _ in 0..1_000 {
+    ///     states.push(state.clone());
+    ///     stepper.step(&mut state, &[])?;
+    /// }
+    /// // how the momentum's x component at the end depends on the start and on the moments of inertia
+    /// let gradient = stepper.gradient(0.0, &states, |_| vec![], &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0])?;
+    /// // all is well where the moments grow and the momentum with them: the motion is the same
+    /// let along = gradient.parameters.dot(&inertia) + gradient.state.rows(3, 3).dot(&vector![0.4, -0.8, 1.5]);
+    /// assert!((along - state[4]).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// If a step cannot be taken from one of the states, has [no derivative](StepError::NoDerivative), or none was generated.
+    pub fn gradient(
+        &self,
+        time: f64,
+        states: &[impl AsRef<[f64]>],
+        mut control: impl FnMut(usize) -> Vec<f64>,
+        costate: &[f64],
+    ) -> Result<Parts<DVector<f64>, Vec<DVector<f64>>>, JacobianError> {
+        let scheme = self.scheme()?;
+        let description = self.system.description();
+        let mut state = DVector::zeros(description.state.last().map_or(0, |last| last.tangent().end));
+        flat::copy(state.as_mut_slice(), costate);
+        let mut parameters = DVector::zeros(length(description.parameters));
+        let mut controls = Vec::with_capacity(states.len());
+        for (k, start) in states.iter().enumerate().rev() {
+            let start = start.as_ref();
+            check(&*self.system, start)?;
+            let (time, control) = (time + k as f64 * self.step, control(k));
+            let at = At { step: self.step, state: start, time, control: &control };
+            let jacobian = jacobian::jacobian(&*self.system, scheme, &at)?;
+            parameters += jacobian.parameters.tr_mul(&state);
+            controls.push(jacobian.control.tr_mul(&state));
+            state = jacobian.state.tr_mul(&state);
+        }
+        controls.reverse();
+        Ok(Parts { state, control: controls, parameters })
+    }
+
+    /// The scheme; none of a method of one's own.
+    fn scheme(&self) -> Result<&Scheme, JacobianError> {
+        let missing = || JacobianError::NotGenerated {
+            scheme: "a method of one's own".into(),
+            system: self.system.description().name,
+        };
+        self.scheme.as_ref().ok_or_else(missing)
     }
 
     /// Whether steps can start from a state from elsewhere.

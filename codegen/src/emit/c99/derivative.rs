@@ -73,6 +73,7 @@ pub(super) fn kernel(kernel: &Kernel<'_>, all: &Words) -> String {
     let solution = match (kernel.size(), kernel.is_compact) {
         (0, _) => "0".to_owned(),
         (_, true) => "m->differences[0]".to_owned(),
+        (_, false) if kernel.step.is_newton => "m->solution".to_owned(),
         (_, false) => format!("{}_row(m, m->oldest, 1)", kernel.prefix),
     };
     let words = words(interface, module, all)

@@ -99,7 +99,7 @@ impl Kernel<'_> {
                 "    REAL differences[REMEMBERED][SIZE], rate; /* of the latest, and how fixed-point iterations contract */\n    int count;\n    int iterations; /* of the last step, and what they left */\n    REAL residual;\n"
             }
             _ => {
-                "    REAL ring[U_WINDOW][SIZE], next[SIZE]; /* the latest, and where they point */\n    REAL rate, tolerance; /* of fixed-point iterations: how they contract, and the change of the last one */\n    unsigned oldest;\n    int count, due, interval, is_ready;\n    int iterations; /* of the last step, and what they left */\n    REAL residual;\n"
+                "    REAL ring[U_WINDOW][SIZE], next[SIZE]; /* the latest, and where they point */\n//if newton\n    REAL solution[SIZE]; /* the latest by itself: the others are apart from first approximations */\n//end\n    REAL rate, tolerance; /* of fixed-point iterations: how they contract, and the change of the last one */\n    unsigned oldest;\n    int count, due, interval, is_ready;\n    int iterations; /* of the last step, and what they left */\n    REAL residual;\n"
             }
         };
         let text = [
@@ -144,23 +144,24 @@ impl Kernel<'_> {
             (false, true) => "S_control_is_finite(control)",
             (false, false) => "1",
         };
-        let given = words.clone().fill(given);
+        let filled = |name: &str| words.fill(name).trim_end().to_owned();
         words
             .clone()
             .prefix("K_", format!("{}_", self.prefix))
             .with("SIZE", self.size().to_string())
             .with("RECIPROCALS", reciprocals.join(", "))
             .with("LEAST_RATE", spelling.number(if self.step.is_newton { 2.0 / 1e8 } else { 1.0 / 256.0 }))
+            .with("FULL", filled(if self.step.is_newton { "U_THROUGH" } else { "U_WINDOW" }))
+            .with("FIRST_WEIGHT", filled(if self.step.is_newton { "U_BINOMIAL_0" } else { "U_WEIGHTS_0" }))
+            .with("ITERATION", if self.step.is_newton { "an iteration or a few" } else { "one iteration" })
+            .with("TAKEN", if self.step.is_newton { "1 + path->more" } else { "1" })
             .with("COMPACT_STALL", spelling.number(spelling.stall()))
             .with("REMEMBERED", REMEMBERED.to_string())
             .with("CORRECTIONS", CORRECTIONS.to_string())
             .holds("full", !self.is_compact)
-            .with("GIVEN", given.trim_end())
+            .with("GIVEN", filled(given))
             .with("SURELY", self.surely())
-            .with(
-                "SLOW",
-                words.clone().fill(if self.has_update() { "U_OUT_OF_LINE" } else { "U_FN" }).trim_end(),
-            )
+            .with("SLOW", filled(if self.has_update() { "U_OUT_OF_LINE" } else { "U_FN" }))
             .holds("update", self.has_update())
             .holds("newton", self.step.is_newton)
             .holds("true_jacobian", self.step.has_true_jacobian)

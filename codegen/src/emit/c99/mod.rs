@@ -356,6 +356,7 @@ const COUNTS: &[&str] = &[
     "WINDOW",
     "THROUGH",
     "LOW",
+    "FEW",
     "ITERATIONS",
     "INTERVALS",
     "REGULAR",

@@ -4,6 +4,7 @@
 //! This is what the crate `coadjoint-dynamic` makes systems with, from descriptions as text. Nothing here knows where the functions come from.
 
 mod kernel;
+mod linearization;
 mod method;
 mod step;
 mod system;
@@ -12,5 +13,5 @@ pub use crate::scalar::Work;
 pub use crate::scalar::simd::frame::{LANES, side_by_side};
 pub use crate::scheme::Rule;
 pub use kernel::MOST_UNKNOWNS;
-pub use step::{Layout, Lengths, Step, StepFunction, StepFunctions};
+pub use step::{Layout, Lengths, Solution, Step, StepDerivative, StepFunction, StepFunctions};
 pub use system::{Definition, DynamicSystem, Given, Inertia, SystemFunction, SystemFunctions, description};

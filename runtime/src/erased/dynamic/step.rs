@@ -4,6 +4,7 @@ use core::ops::Range;
 use std::boxed::Box;
 use std::vec::Vec;
 
+use crate::erased::jacobian::Jacobian;
 use crate::retraction::RetractionKind;
 use crate::scalar::simd::frame::{Framed, LANES, Wide};
 use crate::scheme::Rule;
@@ -35,6 +36,29 @@ pub trait StepFunctions: Send + Sync + 'static {
     fn call(&self, function: StepFunction, frame: &mut [f64]);
     /// Calls a function on several frames, number by number side by side. In each lane the result is that of the lane alone, bit for bit.
     fn call_wide(&self, function: StepFunction, frame: &mut [[f64; LANES]]);
+}
+
+/// A step whose equation is solved.
+#[derive(Clone, Copy, Debug)]
+pub struct Solution<'a> {
+    /// The parameters.
+    pub parameters: &'a [f64],
+    /// The length of the step.
+    pub step_size: f64,
+    /// The state at its start.
+    pub state: &'a [f64],
+    /// The time there.
+    pub time: f64,
+    /// The controls.
+    pub control: &'a [f64],
+    /// The solution.
+    pub unknown: &'a [f64],
+}
+
+/// The derivative of a step.
+pub trait StepDerivative: Send + Sync + 'static {
+    /// Its matrices at a solution; zeros in the place of those that the description does not ask for.
+    fn jacobian(&self, at: &Solution<'_>) -> Jacobian;
 }
 
 /// How many numbers there are.
@@ -145,6 +169,8 @@ pub struct Step {
     pub frame: Vec<f64>,
     /// Its arithmetic.
     pub functions: Box<dyn StepFunctions>,
+    /// Its derivative, if the description asks for one.
+    pub derivative: Option<Box<dyn StepDerivative>>,
 }
 
 impl core::fmt::Debug for Step {

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::vec::Vec;
 
 use super::kernel::MOST_IN_LANES;
+use super::linearization::linearization;
 use super::method::{equation, method};
 use super::step::{Called, Step};
 use crate::ensemble::members::{Member, Members};
@@ -349,14 +350,15 @@ impl System for DynamicSystem {
         self.step(map, rule).map(|of| method(of, &Geometry::parameters(self), step))
     }
 
-    // they are not derived at run time
     fn linearization(
         &self,
-        _: RetractionKind,
-        _: Rule,
-        _: &At<'_>,
+        map: RetractionKind,
+        rule: Rule,
+        at: &At<'_>,
     ) -> Option<Result<Linearization, StepError>> {
-        None
+        let step = self.step(map, rule)?;
+        let derivative = step.derivative.as_deref()?;
+        Some(linearization(step, derivative, &Geometry::parameters(self), at))
     }
 
     fn equation(&self, map: RetractionKind, rule: Rule, at: &At<'_>) -> Option<Box<dyn Equation>> {

@@ -380,7 +380,8 @@ pub(crate) fn add_product<const N: usize, const K: usize>(
     }
     while start < N {
         for (column, by) in columns.iter().zip(by) {
-            sum[start] = column[start].mul_add(*by, sum[start]);
+            // not that of `f64` itself, which rounds once and is a call where the processor has no such operation
+            sum[start] = Scalar::mul_add(column[start], *by, sum[start]);
         }
         start += 1;
     }

@@ -50,6 +50,30 @@ U_HOT const REAL *K_row(const K_memory *m, unsigned oldest, int j)
     return m->ring[(oldest + (unsigned)U_WINDOW - (unsigned)j) % (unsigned)U_WINDOW];
 }
 
+//if newton
+/* The first approximation, and what solutions are apart from it. */
+U_HOT void K_from_start(const REAL *start, const REAL *apart, REAL *sum)
+{
+    int i;
+    for (i = 0; i < SIZE; i++)
+        sum[i] = start[i] + apart[i];
+}
+
+/* What seven earlier solutions contribute to the one after the next, of the polynomial through eight. */
+U_HOT void K_eighth(const K_memory *m, unsigned oldest, REAL *sum)
+{
+    const REAL *x2 = K_row(m, oldest, 1), *x3 = K_row(m, oldest, 2), *x4 = K_row(m, oldest, 3), *x5 = K_row(m, oldest, 4);
+    const REAL *x6 = K_row(m, oldest, 5), *x7 = K_row(m, oldest, 6), *x8 = K_row(m, oldest, 7);
+    REAL inner, outer;
+    int i;
+    for (i = 0; i < SIZE; i++) {
+        inner = U_BINOMIAL_2 * (x3[i] + x5[i]) + U_BINOMIAL_3 * x4[i];
+        outer = U_BINOMIAL_1 * (x2[i] + x6[i]) + U_BINOMIAL_0 * x7[i];
+        sum[i] = inner + (outer - x8[i]);
+    }
+}
+
+//else
 /* x[16] - w[1] x[15] + the sum of w[j] (x[j] - x[16-j]), where the x[j] are as many places newer as it is ahead. */
 U_HOT void K_earlier(const K_memory *m, unsigned oldest, int ahead, REAL *sum)
 {
@@ -68,6 +92,7 @@ U_HOT void K_earlier(const K_memory *m, unsigned oldest, int ahead, REAL *sum)
     }
 }
 
+//end
 /* The next solution from the polynomial through so many of the latest. */
 U_FN void K_polynomial(const K_memory *m, int points, REAL *sum)
 {
@@ -88,6 +113,9 @@ U_FN void K_polynomial(const K_memory *m, int points, REAL *sum)
 /* Predicts the next solution. */
 U_FN void K_predict(K_memory *m)
 {
+//if newton
+    K_polynomial(m, m->count < U_THROUGH ? m->count : U_THROUGH, m->next);
+//else
     const REAL *latest = K_row(m, m->oldest, 1);
     REAL sum[SIZE];
     int i;
@@ -98,6 +126,7 @@ U_FN void K_predict(K_memory *m)
     K_earlier(m, m->oldest, 0, sum);
     for (i = 0; i < SIZE; i++)
         m->next[i] = sum[i] + U_WEIGHTS_0 * latest[i];
+//end
 }
 
 U_FN REAL K_weighted(const REAL *weights, const REAL *from, const REAL *to)
@@ -110,16 +139,31 @@ U_FN REAL K_weighted(const REAL *weights, const REAL *from, const REAL *to)
 }
 
 /* Takes one more solution. Where a few of the earlier ones predict it better than all, the others are forgotten. */
-U_FN void K_learn_solution(K_memory *m, const REAL *solution)
+U_FN void K_learn_solution(const K_equation *q, K_memory *m, const REAL *solution)
 {
-    REAL weights[SIZE], by_few[SIZE], size, off;
+    REAL weights[SIZE], by_few[SIZE], begun[SIZE], size, off;
     int i, known;
-    if (m->count == U_WINDOW && K_is_within(m->next, solution, U_SMALL)) {
-        REAL begun[SIZE];
+//if newton
+    /* what is kept is what they are apart from the equations' first approximations */
+    REAL start[SIZE], kept[SIZE], next[SIZE];
+    K_start(q, start);
+    for (i = 0; i < SIZE; i++)
+        kept[i] = solution[i] + -start[i];
+    K_copy(m->solution, solution);
+    K_from_start(start, m->next, next);
+//else
+    const REAL *const kept = solution, *const next = m->next;
+    (void)q;
+//end
+    if (m->count >= FULL && K_is_within(next, solution, U_SMALL)) {
+//if newton
+        K_eighth(m, m->oldest, begun);
+//else
         K_earlier(m, m->oldest, 1, begun);
-        K_copy(m->ring[m->oldest++ % (unsigned)U_WINDOW], solution);
+//end
+        K_copy(m->ring[m->oldest++ % (unsigned)U_WINDOW], kept);
         for (i = 0; i < SIZE; i++)
-            m->next[i] = begun[i] + U_WEIGHTS_0 * solution[i];
+            m->next[i] = begun[i] + FIRST_WEIGHT * kept[i];
         return;
     }
 //each block
@@ -129,22 +173,25 @@ U_FN void K_learn_solution(K_memory *m, const REAL *solution)
     for (i = BEGIN; i < END; i++)
         weights[i] = ONE / size;
 //end
-    off = K_weighted(weights, m->next, solution);
+    off = K_weighted(weights, next, solution);
     known = off <= U_LOST ? m->count : 0;
     m->count = known < U_WINDOW ? known + 1 : known;
     if (known > U_LOW) {
         K_polynomial(m, U_LOW, by_few);
+//if newton
+        K_from_start(start, by_few, by_few);
+//end
         if (off > U_SMALL && K_weighted(weights, by_few, solution) < off)
             m->count = U_LOW;
     }
-    K_copy(m->ring[m->oldest++ % (unsigned)U_WINDOW], solution);
+    K_copy(m->ring[m->oldest++ % (unsigned)U_WINDOW], kept);
     K_predict(m);
 }
 
 /* Whether the next step is likely to need one iteration. */
 U_FN void K_settle(K_memory *m)
 {
-    m->is_ready = m->due > 0 && m->count == U_WINDOW && m->rate <= U_STRONG;
+    m->is_ready = m->due > 0 && m->count >= FULL && m->rate <= U_STRONG;
 }
 
 U_FN void K_forget(K_memory *m)
@@ -163,6 +210,9 @@ U_FN void K_clear(K_memory *m)
     int i, j;
     for (i = 0; i < SIZE; i++) {
         m->next[i] = ZERO;
+//if newton
+        m->solution[i] = ZERO;
+//end
         for (j = 0; j < U_WINDOW; j++)
             m->ring[j][i] = ZERO;
     }
@@ -173,7 +223,7 @@ U_FN void K_clear(K_memory *m)
 }
 
 /* Remembers a step that needed more than one iteration. */
-U_FN void K_learn(K_memory *m, const K_solution *s)
+U_FN void K_learn(const K_equation *q, K_memory *m, const K_solution *s)
 {
     m->iterations = s->iterations;
     m->residual = s->residual;
@@ -187,13 +237,18 @@ U_FN void K_learn(K_memory *m, const K_solution *s)
     } else {
         m->due--;
     }
-    K_learn_solution(m, s->unknown);
+    K_learn_solution(q, m, s->unknown);
     K_settle(m);
 }
 
 /* Where the search for a solution begins. */
 U_FN void K_guess(const K_equation *q, const K_memory *m, REAL *guess)
 {
+//if newton
+    K_start(q, guess);
+    if (m->count > 0 && m->due > 0)
+        K_from_start(guess, m->next, guess);
+//else
     if (m->count == 0)
         K_start(q, guess);
 //if update
@@ -202,16 +257,26 @@ U_FN void K_guess(const K_equation *q, const K_memory *m, REAL *guess)
 //end
     else
         K_copy(guess, m->next);
+//end
 }
 
 //if update
 /* ---- Fixed-point iterations, as long as they contract strongly. ---- */
 
+//if newton
+/* A rate of contraction from two changes, one after the other, where another one was known. */
+U_FN REAL K_rate(REAL last, REAL now, REAL known)
+{
+    const REAL rate = now / last, least = U_FORGETS * known;
+    return S_clamped(rate < least ? least : rate, LEAST_RATE, ONE);
+}
+//else
 /* A rate of contraction from two changes, one after the other. */
 U_FN REAL K_rate(REAL last, REAL now)
 {
     return S_clamped(now / last, LEAST_RATE, ONE);
 }
+//end
 
 /* From a guess; `first` is where the first iteration led to, if it was made. */
 U_FN void K_iterate(const K_equation *q, const K_memory *m, const REAL *guess, const REAL *first, K_solution *s)
@@ -243,12 +308,17 @@ U_FN void K_iterate(const K_equation *q, const K_memory *m, const REAL *guess, c
         if (round == 1) {
             is_last = again && K_is_within(s->point, s->unknown, m->tolerance);
         } else {
+//if newton
+            /* what is below is rounding, and no rate where there is another one */
+            if (again && U_SHARP * U_EPSILON < last && (U_TOLERANCE_0 * U_EPSILON < now || ONE <= sharp_last)) {
+//else
             if (again && U_SHARP * U_EPSILON < last) {
+//end
                 sharp_last = last;
                 sharp_now = now;
             }
 //if newton
-            most = K_tolerance(K_rate(sharp_last, sharp_now));
+            most = K_tolerance(K_rate(sharp_last, sharp_now, m->rate));
 //else
             most = U_TOLERANCE_2 * U_EPSILON;
 //end
@@ -262,7 +332,11 @@ U_FN void K_iterate(const K_equation *q, const K_memory *m, const REAL *guess, c
             break;
         last = now;
     }
+//if newton
+    s->rate = K_rate(sharp_last, sharp_now, m->rate);
+//else
     s->rate = K_rate(sharp_last, sharp_now);
+//end
     s->residual = s->rate * s->residual;
 }
 
@@ -541,7 +615,7 @@ SLOW S_status K_slow(const K_constants *k, K_memory *m, const S_state *x TIMED_A
     if (rate <= U_STRONG || m->due == 0) {
         K_iterate(&q, m, guess, first, &s);
         if (s.solved && K_accept(&q, &s, given, next, &inside)) {
-            K_learn(m, &s);
+            K_learn(&q, m, &s);
             return U_OK;
         }
         elsewhere = elsewhere && !(rate <= U_STRONG);
@@ -557,7 +631,7 @@ SLOW S_status K_slow(const K_constants *k, K_memory *m, const S_state *x TIMED_A
 //end
         K_newton(&q, guess, elsewhere, rate, &s);
     if (K_accept(&q, &s, given, next, &inside)) {
-        K_learn(m, &s);
+        K_learn(&q, m, &s);
         return U_OK;
     }
     if (!given || !S_state_is_finite(x)) {
@@ -574,7 +648,7 @@ SLOW S_status K_slow(const K_constants *k, K_memory *m, const S_state *x TIMED_A
     K_copy(s.point, s.unknown);
     K_evaluate(&q, s.point, &s.evaluation);
     if (K_accept(&q, &s, given, next, &inside)) {
-        K_learn(m, &s);
+        K_learn(&q, m, &s);
         return U_OK;
     }
     K_forget(m);
@@ -588,9 +662,12 @@ SLOW S_status K_slow(const K_constants *k, K_memory *m, const S_state *x TIMED_A
 typedef struct {
     REAL next[SIZE];
     unsigned oldest;
+//if newton
+    int more; /* iterations of the last step, beside one */
+//end
 } K_path;
 
-/* A step as nearly all are: one iteration, from where the solutions before it point, changes the unknown by little, and everything is finite.
+/* A step as nearly all are: ITERATION, from where the solutions before it point, changes the unknown by little, and everything is finite.
  * Else nothing has changed: 1 where there was an iteration, which led to `unknown`, 2 where it leads nowhere. */
 U_HOT int K_fast(const K_constants *k, K_memory *m, K_path *path, const S_state *x TIMED_ARGUMENT CONTROL_ARGUMENT, REAL *unknown, S_state *next)
 {
@@ -598,6 +675,34 @@ U_HOT int K_fast(const K_constants *k, K_memory *m, K_path *path, const S_state 
     K_evaluation e;
     REAL then[SIZE];
     int i;
+//if newton
+    REAL start[SIZE], point[SIZE], kept[SIZE], last = U_FAR, now;
+    int more = 0;
+    q.constants = k;
+    q.state = x;
+    K_begin(&q TIMED_CALL CONTROL_CALL);
+    K_start(&q, start);
+    K_from_start(start, path->next, point);
+    for (;;) {
+        K_evaluate(&q, point, &e);
+        K_fixed_point_update(&q, point, &e, unknown);
+        now = K_change(point, unknown);
+        /* as far as the rate is known, and as far as it shows */
+        if (now <= m->tolerance && now * now <= (U_LEFT * U_EPSILON) * last)
+            break;
+        if (more == U_FEW)
+            return 1;
+        K_copy(point, unknown);
+        last = now;
+        more++;
+    }
+    for (i = 0; i < SIZE; i++)
+        kept[i] = unknown[i] + -start[i];
+    K_eighth(m, path->oldest, then);
+    for (i = 0; i < SIZE; i++)
+        then[i] = then[i] + U_BINOMIAL_0 * kept[i];
+//else
+    const REAL *const kept = unknown;
     q.constants = k;
     q.state = x;
     K_begin(&q TIMED_CALL CONTROL_CALL);
@@ -609,6 +714,7 @@ U_HOT int K_fast(const K_constants *k, K_memory *m, K_path *path, const S_state 
     K_earlier(m, path->oldest, 1, then);
     for (i = 0; i < SIZE; i++)
         then[i] = then[i] + U_WEIGHTS_0 * unknown[i];
+//end
     K_finish(&q, unknown, &e, next);
 //if domain
     if (!(K_domain(&q, unknown, &e) > 0))
@@ -616,9 +722,13 @@ U_HOT int K_fast(const K_constants *k, K_memory *m, K_path *path, const S_state 
 //end
     if (!(ZERO * (SURELY) <= ZERO))
         return 2;
-    K_copy(m->ring[path->oldest % (unsigned)U_WINDOW], unknown);
+    K_copy(m->ring[path->oldest % (unsigned)U_WINDOW], kept);
     path->oldest++;
     K_copy(path->next, then);
+//if newton
+    K_copy(m->solution, unknown);
+    path->more = more;
+//end
     return 0;
 }
 
@@ -626,6 +736,9 @@ U_HOT void K_enter(const K_memory *m, K_path *path)
 {
     K_copy(path->next, m->next);
     path->oldest = m->oldest;
+//if newton
+    path->more = 0;
+//end
 }
 
 /* Remembers so many steps that were on the fast path. */
@@ -636,7 +749,7 @@ U_HOT void K_leave(K_memory *m, const K_path *path, int steps)
     m->due -= steps;
     m->is_ready = m->is_ready && m->due > 0;
     if (steps > 0) {
-        m->iterations = 1;
+        m->iterations = TAKEN;
         m->residual = m->rate * m->tolerance;
     }
 }
