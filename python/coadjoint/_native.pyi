@@ -6,7 +6,7 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Ensemble", "Model", "Stepper", "System", "__version__", "catalogue"]
+__all__ = ["Ensemble", "Model", "Stepper", "System", "__version__", "catalogue", "cuda"]
 
 __version__: str
 
@@ -16,6 +16,9 @@ _Described = tuple[str, str, str, list[int], list[str], tuple[int, int], str | N
 
 def catalogue() -> list[tuple[str, str]]:
     """The names and the texts of the catalogue's systems."""
+
+def cuda(text: str, scheme: str, name: str | None = None) -> tuple[str, str]:
+    """The header of a description's steps with a scheme, and what the names in it begin with."""
 
 @final
 class Model:

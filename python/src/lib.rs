@@ -4,6 +4,7 @@
 //! taken, Python's lock is released, and signals are looked for every few hundredths of a second.
 
 mod catalogue;
+mod cuda;
 mod ensemble;
 mod error;
 mod module;
@@ -22,6 +23,8 @@ mod _native {
 
     #[pymodule_export]
     use crate::catalogue::catalogue;
+    #[pymodule_export]
+    use crate::cuda::cuda;
     #[pymodule_export]
     use crate::ensemble::Ensemble;
     #[pymodule_export]
