@@ -8,7 +8,8 @@ import pytest
 
 import coadjoint as co
 
-SECONDS = 16.0
+#: As long as it may take; `COADJOINT_CAMPAIGN=1` makes all runs.
+SECONDS = 8.0 if "COADJOINT_CAMPAIGN" not in os.environ else 3600.0
 
 
 def resident():
