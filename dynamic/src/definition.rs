@@ -20,6 +20,7 @@ use crate::assembler::{Frame, Places, assembled};
 use crate::derivative::Derivative;
 use crate::intern;
 use crate::interpreter::Code;
+use crate::series::InterpretedSeries;
 
 /// The definition of a program with these values of its constants.
 pub(crate) fn definition(program: &Program, constants: Vec<f64>) -> Definition {
@@ -50,6 +51,7 @@ pub(crate) fn definition(program: &Program, constants: Vec<f64>) -> Definition {
         is_momentum_singular: interface.momentum == Transform::Singular,
         functions: Box::new(system_functions(program)),
         steps: program.steps.iter().map(|step| Arc::new(self::step(interface, step))).collect(),
+        series: program.taylor.as_ref().map(InterpretedSeries::shared),
     }
 }
 

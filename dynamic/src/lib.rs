@@ -73,8 +73,10 @@ mod at_run_time {}
 mod assembler;
 mod definition;
 mod derivative;
+mod in_one_frame;
 mod intern;
 mod interpreter;
+mod series;
 mod text;
 
 use std::sync::Arc;

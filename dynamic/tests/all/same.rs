@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use coadjoint::Run;
 use coadjoint::erased::{self, EnsembleSystem, System};
 use coadjoint::prelude::*;
 use coadjoint_dynamic::Model;
@@ -23,6 +24,7 @@ described! { HEAVY_TOP:
         methods(Midpoint, TangentMidpoint),
         retractions(Exponential, Cayley, SecondKind),
         derivatives,
+        taylor,
     )]
     struct HeavyTop {
         #[inertia]
@@ -52,6 +54,7 @@ described! { PENDULUM:
         },
         force(first = motor - friction * first_velocity),
         derivatives,
+        taylor,
     )]
     struct Pendulum {
         mass: f64,
@@ -132,6 +135,47 @@ fn a_lagrangian_that_is_driven() {
     same(pendulum.clone(), PENDULUM, &schemes, (&state, &[1.5]), 0.01);
     // what is not finite is refused alike
     same(pendulum, PENDULUM, &schemes, (&state, &[f64::NAN]), 0.01);
+}
+
+/// Taylor steps to some tolerances, with what lies within them.
+fn same_series(typed: Arc<dyn EnsembleSystem>, text: &str, (state, control): (&[f64], &[f64])) {
+    let model = Model::from_text(text).unwrap_or_else(|error| panic!("{error}"));
+    let dynamic: Arc<dyn EnsembleSystem> = Arc::new(model.system(&typed.parameters()));
+    for tolerance in [1e-4, 1e-12] {
+        let ways = [&typed, &dynamic].map(|system| {
+            let mut trajectory = erased::Adaptive::new(system.clone(), tolerance).unwrap();
+            let mut state = state.to_vec();
+            let mut way = vec![trajectory.order() as f64];
+            for _ in 0..50 {
+                way.push(trajectory.step_with(&mut state, control).unwrap());
+                way.extend(&state);
+                way.extend(trajectory.at(0.3).unwrap());
+            }
+            way.iter().map(|x| x.to_bits()).collect::<Vec<_>>()
+        });
+        assert_eq!(ways[0], ways[1], "{tolerance}");
+    }
+    // to a time, in a run
+    let ends = [&typed, &dynamic].map(|system| {
+        let mut trajectory = erased::Adaptive::new(system.clone(), 1e-13).unwrap();
+        let mut state = state.to_vec();
+        Run::new(&mut trajectory, &mut state).with_control(control.to_vec()).to(5.0).unwrap();
+        assert_eq!(trajectory.time(), 5.0);
+        state
+    });
+    assert_eq!(ends[0], ends[1]);
+}
+
+#[test]
+fn taylor_steps() {
+    let top = HeavyTop { inertia: vector![1.0, 10.0, 100.0], weight: 1.0, chi: vector![0.3, 0.2, 1.0] };
+    let state = [1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 1.0];
+    same_series(Arc::new(top), HEAVY_TOP, (&state, &[]));
+    let state = [1.0, 0.0, 0.3, 0.96_f64.cos(), 0.96_f64.sin(), -0.4];
+    same_series(Arc::new(Pendulum { mass: 0.7, friction: 0.2 }), PENDULUM, (&state, &[1.5]));
+    // what is not asked for is not there
+    let body: Arc<dyn System> = Arc::new(Model::from_text(BODY).unwrap().system(&[1.0; 9]));
+    assert!(erased::Adaptive::new(body, 1e-9).unwrap_err().to_string().contains("taylor"));
 }
 
 #[test]

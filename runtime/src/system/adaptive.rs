@@ -5,6 +5,7 @@ use super::System;
 use super::series::{MOST_COEFFICIENTS, PowerSeries, Series};
 use crate::error::ParameterError;
 use crate::scalar::{Batch, Scalar};
+use crate::taylor::Pace;
 
 /// The lowest order: the rule for the step looks at the last two terms.
 pub(crate) const LEAST_ORDER: usize = 4;
@@ -16,43 +17,31 @@ pub(crate) const LEAST_ORDER: usize = 4;
 pub struct Adaptive<S: PowerSeries> {
     pub(crate) system: S,
     pub(crate) tolerance: f64,
-    /// A step that is always the same, if it is.
-    pub(crate) fixed: Option<f64>,
-    /// No step is longer.
-    pub(crate) most: f64,
-    /// No step goes past this time, if it is one.
-    pub(crate) end: f64,
-    /// The time in two numbers.
-    pub(crate) time: [f64; 2],
-    pub(crate) taken: u64,
-    /// The last step: how long it was.
-    pub(crate) last: Option<f64>,
-    /// When it started; not a number where the series are not those of the last step.
-    pub(crate) from: f64,
+    pub(crate) pace: Pace,
     pub(crate) series: Series<S, S::Scalar>,
 }
 
 impl<S: PowerSeries> Adaptive<S> {
     pub(crate) fn new(system: &S, tolerance: f64) -> Result<Self, ParameterError> {
         system.validate()?;
-        if !(tolerance > 0.0 && tolerance < 1.0) {
-            return Err(ParameterError::Tolerance { tolerance });
-        }
-        // no number has more digits
-        let attainable = tolerance.max(S::Scalar::EPSILON / 2.0);
-        // one more than what is whole of it, which rounds up
-        let order = 2 - (0.5 * Scalar::ln(attainable)) as i32;
+        let order = order(tolerance, S::Scalar::EPSILON)?;
         Ok(Self {
             system: S::from_parameters(&system.to_parameters()),
             tolerance,
-            fixed: None,
-            most: f64::INFINITY,
-            end: f64::INFINITY,
-            time: [0.0; 2],
-            taken: 0,
-            last: None,
-            from: f64::NAN,
-            series: Series::new((order as usize).clamp(LEAST_ORDER, MOST_COEFFICIENTS)),
+            pace: Pace::default(),
+            series: Series::new(order),
         })
     }
+}
+
+/// The order of steps to a tolerance, of numbers with this distance from 1 to the next.
+pub(crate) fn order(tolerance: f64, unit: f64) -> Result<usize, ParameterError> {
+    if !(tolerance > 0.0 && tolerance < 1.0) {
+        return Err(ParameterError::Tolerance { tolerance });
+    }
+    // no number has more digits
+    let attainable = tolerance.max(unit / 2.0);
+    // one more than what is whole of it, which rounds up
+    let order = 2 - (0.5 * Scalar::ln(attainable)) as i32;
+    Ok((order as usize).clamp(LEAST_ORDER, MOST_COEFFICIENTS))
 }

@@ -223,7 +223,36 @@ impl<S: PowerSeries, T: Real> Series<S, T> {
         }
     }
 
-    /// The largest coefficient of one order in a block, and where the next block starts.
+    /// The values a time `h` after the start.
+    #[inline(always)]
+    fn sum(&self, h: T) -> S::Coefficients<T> {
+        let mut sum = self.coefficients[self.order];
+        for k in (0..self.order).rev() {
+            for (x, &c) in sum.as_mut().iter_mut().zip(self.coefficients[k].as_ref()) {
+                *x = x.mul_add(h, c);
+            }
+        }
+        sum
+    }
+
+    /// The state a time `h` after the start.
+    #[inline(always)]
+    pub(crate) fn state(&self, h: T) -> S::StateComponents<T> {
+        S::finish(&self.kept, &self.sum(h))
+    }
+}
+
+impl<S: PowerSeries, T: Real> Terms for Series<S, T> {
+    #[inline(always)]
+    fn last(&self) -> usize {
+        self.order
+    }
+
+    #[inline(always)]
+    fn blocks(&self) -> &[usize] {
+        S::BLOCKS
+    }
+
     #[inline(always)]
     fn largest(&self, order: usize, from: usize, length: usize) -> f64 {
         let numbers = &self.coefficients[order].as_ref()[from..from + length];
@@ -232,6 +261,31 @@ impl<S: PowerSeries, T: Real> Series<S, T> {
             if size > largest { size } else { largest }
         })
     }
+}
+
+/// The terms of the series of a step, which tell how long it may be.
+pub(crate) trait Terms {
+    /// The order of the last.
+    fn last(&self) -> usize;
+    /// The lengths of the blocks of what has a series that have a unit in common.
+    fn blocks(&self) -> &[usize];
+    /// The largest coefficient of one order in a block that begins there.
+    fn largest(&self, order: usize, from: usize, length: usize) -> f64;
+
+    /// How long the step is, after one of the length `before`.
+    #[inline(always)]
+    fn step(&self, before: Option<f64>, length: Length) -> f64 {
+        match length {
+            Length::Exactly(step) => step,
+            Length::AtMost(most) => {
+                let guess = before.map_or_else(|| self.first_guess(), f64::abs);
+                let longest = if guess < f64::INFINITY { self.longest_step(guess) } else { guess };
+                // what is zero at its start in every unit that changes has no size there
+                let longest = if longest < f64::INFINITY { longest } else { self.first_guess() };
+                if longest < most.abs() { longest.copysign(most) } else { most }
+            }
+        }
+    }
 
     /// How large the step may be for the last two terms to be as small as the order can make them: `e^{−2N}` of what the series is of, which is
     /// the largest of its first three terms in a step of the length that is guessed.
@@ -239,10 +293,10 @@ impl<S: PowerSeries, T: Real> Series<S, T> {
     /// That is the rule of Jorba and Zou, Experimental Mathematics 14 (2005) 99, for each unit by itself. Infinite where these terms are zero.
     #[inline(always)]
     fn longest_step(&self, guess: f64) -> f64 {
-        let last = self.order;
+        let last = self.last();
         let mut least = [f64::INFINITY; 2];
         let mut from = 0;
-        for &length in S::BLOCKS {
+        for &length in self.blocks() {
             let [zeroth, first, second] = [0, 1, 2].map(|k| self.largest(k, from, length));
             let size = zeroth.max(first * guess).max(second * guess * guess);
             for (k, least) in [last - 1, last].into_iter().zip(&mut least) {
@@ -263,8 +317,8 @@ impl<S: PowerSeries, T: Real> Series<S, T> {
     fn first_guess(&self) -> f64 {
         let mut guess = f64::INFINITY;
         let mut from = 0;
-        for &length in S::BLOCKS {
-            for k in [self.order - 1, self.order] {
+        for &length in self.blocks() {
+            for k in [self.last() - 1, self.last()] {
                 let of = |k: usize| self.largest(k, from, length);
                 if let Some(first) = (0..k).find(|&k| of(k) > 0.0) {
                     guess = guess.min(root(of(first) / of(k), (k - first) as f64));
@@ -278,25 +332,7 @@ impl<S: PowerSeries, T: Real> Series<S, T> {
     /// How much shorter a step is than the series converges.
     #[inline(always)]
     fn margin(&self) -> f64 {
-        Scalar::exp(-0.7 / (self.order as f64 - 1.0) - 2.0)
-    }
-
-    /// The values a time `h` after the start.
-    #[inline(always)]
-    fn sum(&self, h: T) -> S::Coefficients<T> {
-        let mut sum = self.coefficients[self.order];
-        for k in (0..self.order).rev() {
-            for (x, &c) in sum.as_mut().iter_mut().zip(self.coefficients[k].as_ref()) {
-                *x = x.mul_add(h, c);
-            }
-        }
-        sum
-    }
-
-    /// The state a time `h` after the start.
-    #[inline(always)]
-    pub(crate) fn state(&self, h: T) -> S::StateComponents<T> {
-        S::finish(&self.kept, &self.sum(h))
+        Scalar::exp(-0.7 / (self.last() as f64 - 1.0) - 2.0)
     }
 }
 
@@ -343,16 +379,7 @@ impl<S: PowerSeries, T: Real> LongWork for Advance<'_, S, T> {
     fn done<P: Processor>(self) -> Self::Result {
         let Self { series, start, before, length } = self;
         series.expand::<P>(&start);
-        let step = match length {
-            Length::Exactly(step) => step,
-            Length::AtMost(most) => {
-                let guess = before.map_or_else(|| series.first_guess(), f64::abs);
-                let longest = if guess < f64::INFINITY { series.longest_step(guess) } else { guess };
-                // what is zero at its start in every unit that changes has no size there
-                let longest = if longest < f64::INFINITY { longest } else { series.first_guess() };
-                if longest < most.abs() { longest.copysign(most) } else { most }
-            }
-        };
+        let step = series.step(before, length);
         (step, series.state(T::of(step)))
     }
 }

@@ -31,19 +31,22 @@
 
 use core::fmt;
 
+mod pace;
+
 use crate::error::{ParameterError, StepError};
 use crate::scalar::{Batch, Real, Scalar as _};
 use crate::stepper::report::{RunError, RunReport};
-use crate::stepper::{Inputs, StepReport, Stepping, check_deviation, check_step};
+use crate::stepper::{Inputs, StepReport, Stepping, check_deviation};
 #[cfg(doc)]
 use crate::system::System;
 pub use crate::system::adaptive::Adaptive;
 use crate::system::adaptive::LEAST_ORDER;
 pub use crate::system::series::PowerSeries;
-use crate::system::series::{Advance, Length, MOST_COEFFICIENTS, Start};
+use crate::system::series::{Advance, MOST_COEFFICIENTS, Start};
 #[doc(hidden)]
 pub use crate::system::series::{Leading, Next, SeriesVisitor};
 use crate::system::{Control, Dynamics, State};
+pub(crate) use pace::{Pace, Wanted};
 
 impl<S: PowerSeries> Adaptive<S> {
     /// Takes steps of this order, whatever the tolerance: from 4 to 32.
@@ -59,14 +62,13 @@ impl<S: PowerSeries> Adaptive<S> {
     /// # Errors
     /// If the step is zero or not finite.
     pub fn with_step(mut self, step: f64) -> Result<Self, ParameterError> {
-        check_step(step)?;
-        self.fixed = Some(step);
+        self.pace.set_step_size(step)?;
         Ok(self)
     }
 
     /// Takes no longer steps than this; an infinite or negative bound is none.
     pub fn with_max_step(mut self, step: f64) -> Self {
-        self.most = if step > 0.0 { step } else { f64::INFINITY };
+        self.pace.most = if step > 0.0 { step } else { f64::INFINITY };
         self
     }
 
@@ -87,22 +89,22 @@ impl<S: PowerSeries> Adaptive<S> {
 
     /// The time at which the next step starts.
     pub fn time(&self) -> f64 {
-        self.time[0]
+        self.pace.time()
     }
 
     /// Sets the time: the next step starts at `time`.
     pub fn set_time(&mut self, time: f64) {
-        (self.time, self.from) = ([time, 0.0], f64::NAN);
+        self.pace.set_time(time);
     }
 
     /// The steps taken.
     pub fn steps_taken(&self) -> u64 {
-        self.taken
+        self.pace.taken
     }
 
     /// The length of the last step; 0 before the first.
     pub fn last_step(&self) -> f64 {
-        self.last.unwrap_or(0.0)
+        self.pace.last.unwrap_or(0.0)
     }
 
     /// Takes one step forward in time with all controls zero. Returns its length.
@@ -119,10 +121,10 @@ impl<S: PowerSeries> Adaptive<S> {
     /// If the state, the time or the control is not finite, or the state's configuration not on its group; or if the step would be so short that time
     /// does not go on, as before a singularity. State and time are then as before the call.
     pub fn step_with(&mut self, state: &mut S::State, control: &S::Control) -> Result<f64, StepError> {
-        if self.end.is_finite() {
-            return self.step_toward(state, control, self.end);
+        match self.pace.next()? {
+            Some(length) => self.advance(state, control, length),
+            None => Ok(0.0),
         }
-        self.advance(state, control, self.fixed.map_or(Length::AtMost(self.most), Length::Exactly))
     }
 
     /// Takes one step toward a time with `control` held, and no farther. Returns its length; 0 where it is that time.
@@ -135,23 +137,10 @@ impl<S: PowerSeries> Adaptive<S> {
         control: &S::Control,
         time: f64,
     ) -> Result<f64, StepError> {
-        let way = (time - self.time[0]) - self.time[1];
-        if !way.is_finite() {
-            return Err(StepError::OutOfReach { time });
+        match self.pace.toward(time)? {
+            Some(length) => self.advance(state, control, length),
+            None => Ok(0.0),
         }
-        if way == 0.0 {
-            return Ok(0.0);
-        }
-        let longest = self.fixed.map_or(self.most, f64::abs);
-        let length = match self.fixed {
-            Some(_) => Length::Exactly(if longest < way.abs() { longest.copysign(way) } else { way }),
-            None => Length::AtMost(way.abs().min(longest).copysign(way)),
-        };
-        let step = self.advance(state, control, length)?;
-        if step == way {
-            self.time = [time, 0.0];
-        }
-        Ok(step)
     }
 
     /// Takes steps until a time with all controls zero, forward or backward. The last one ends there.
@@ -177,7 +166,7 @@ impl<S: PowerSeries> Adaptive<S> {
             match self.step_toward(state, control, time) {
                 Ok(0.0) => return Ok(report),
                 Ok(_) => report.count(&EXPLICIT),
-                Err(cause) => return Err(RunError::new(self.taken + 1, self.time(), report, cause)),
+                Err(cause) => return Err(RunError::new(self.steps_taken() + 1, self.time(), report, cause)),
             }
         }
     }
@@ -185,18 +174,18 @@ impl<S: PowerSeries> Adaptive<S> {
     /// The state within the last step, from 0 at its start to 1 at its end: on the group and the orbit, and as accurate as the end. None before the
     /// first step, and outside of it.
     pub fn at(&self, share: f64) -> Option<S::State> {
-        let step = self.last.filter(|_| !self.from.is_nan() && (0.0..=1.0).contains(&share))?;
-        Some(S::State::from_components(&self.series.state(S::Scalar::of(share * step))))
+        let within = self.pace.share(share)?;
+        Some(S::State::from_components(&self.series.state(S::Scalar::of(within))))
     }
 
     fn advance(
         &mut self,
         state: &mut S::State,
         control: &S::Control,
-        length: Length,
+        length: Wanted,
     ) -> Result<f64, StepError> {
         check_deviation(state.deviation().to_f64())?;
-        let time = S::Scalar::of(self.time[0]);
+        let time = S::Scalar::of(self.time());
         let components = state.to_components();
         let control_components = control.to_components();
         let is_finite = |numbers: &[S::Scalar]| numbers.iter().all(|x| x.is_finite());
@@ -204,7 +193,7 @@ impl<S: PowerSeries> Adaptive<S> {
             return Err(StepError::NotFinite);
         }
         let velocity = self.system.start_velocity(state, time, control);
-        self.from = f64::NAN;
+        let before = self.pace.begin();
         let (step, next) = <S::Scalar as Batch>::dispatch_wide(Advance {
             series: &mut self.series,
             start: Start {
@@ -214,32 +203,14 @@ impl<S: PowerSeries> Adaptive<S> {
                 control: &control_components,
                 velocity: &velocity,
             },
-            before: self.last,
-            length,
+            before,
+            length: length.length,
         });
-        let [high, low] = self.time;
-        if step == 0.0 || step.abs() < SHORTEST * high.abs() {
-            self.last = None;
-            return Err(StepError::NoProgress { step });
-        }
-        if !step.is_finite() || !is_finite(next.as_ref()) {
-            self.last = None;
-            return Err(if step.is_finite() { StepError::NotFinite } else { StepError::NoEnd });
-        }
+        self.pace.took(step, is_finite(next.as_ref()), length.end)?;
         *state = S::State::from_components(&next);
-        // both numbers of the time, and the step
-        let sum = high + step;
-        let part = sum - high;
-        let rest = ((high - (sum - part)) + (step - part)) + low;
-        (self.time, self.from) = ([sum + rest, rest - ((sum + rest) - sum)], high);
-        self.last = Some(step);
-        self.taken += 1;
         Ok(step)
     }
 }
-
-/// A step that is shorter than this share of the time leads nowhere.
-const SHORTEST: f64 = 4.0 * f64::EPSILON;
 
 impl<S: PowerSeries> Stepping for Adaptive<S> {
     type System = S;
@@ -262,46 +233,33 @@ impl<S: PowerSeries> Stepping for Adaptive<S> {
 
     /// The length of the last step, with the sign of the way to the end that is set; before the first that way.
     fn step_size(&self) -> f64 {
-        let way = self.end - self.time[0];
-        match self.last {
-            _ if self.fixed.is_some() => self.fixed.unwrap_or(way),
-            None => way,
-            Some(last) if way == 0.0 || !way.is_finite() => last,
-            Some(last) => last.abs().copysign(way),
-        }
+        self.pace.step_size()
     }
 
     /// Takes steps of this length from now on, whatever the tolerance.
     fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError> {
-        check_step(step)?;
-        self.fixed = Some(step);
-        Ok(())
+        self.pace.set_step_size(step)
     }
 
     fn is_adaptive(&self) -> bool {
-        self.fixed.is_none()
+        self.pace.fixed.is_none()
     }
 
     fn set_end(&mut self, time: f64) {
-        self.end = time;
+        self.pace.end = time;
     }
 
     fn has_ended(&self) -> bool {
-        self.end == self.time[0]
+        self.pace.has_ended()
     }
 
     #[cfg(feature = "std")]
     fn snapshot(&self) -> std::vec::Vec<f64> {
-        std::vec![self.time[0], self.time[1], self.taken as f64, self.last_step()]
+        self.pace.snapshot().to_vec()
     }
 
     fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
-        let &[high, low, taken, last] = memory else {
-            return Err(ParameterError::Snapshot { expected: 4, got: memory.len() });
-        };
-        (self.time, self.taken, self.from) = ([high, low], taken as u64, f64::NAN);
-        self.last = Some(last).filter(|last| *last != 0.0);
-        Ok(())
+        self.pace.restore(memory)
     }
 
     fn step_with(&mut self, state: &mut S::State, control: &S::Control) -> Result<StepReport, StepError> {
@@ -327,7 +285,8 @@ impl<S: PowerSeries> Stepping for Adaptive<S> {
 
     fn set_parameters(&mut self, system: &S) -> Result<(), ParameterError> {
         system.validate()?;
-        (self.system, self.from) = (S::from_parameters(&system.to_parameters()), f64::NAN);
+        self.system = S::from_parameters(&system.to_parameters());
+        self.pace.leave();
         Ok(())
     }
 
@@ -338,19 +297,21 @@ impl<S: PowerSeries> Stepping for Adaptive<S> {
         input: Inputs<'_, S::Control>,
     ) -> Result<StepReport, StepError> {
         let Inputs::Held(control) = input else { return Err(StepError::NotDriven) };
-        if start == self.from && self.last.is_some_and(|last| (0.0..=1.0).contains(&(length / last))) {
+        if self.pace.covers(start, length) {
             // within the last step, whose series are there
             *state = S::State::from_components(&self.series.state(S::Scalar::of(length)));
             return Ok(EXPLICIT);
         }
         let mut beside = self.of(S::from_parameters(&self.system.to_parameters()));
-        (beside.time, beside.end) = ([start, 0.0], f64::INFINITY);
+        beside.pace.set_time(start);
+        beside.pace.end = f64::INFINITY;
         beside.to_with(state, control, start + length).map_err(|error| error.cause)?;
         Ok(EXPLICIT)
     }
 
     fn go_on_at(&mut self, time: f64, steps: u64) {
-        (self.time, self.taken, self.from) = ([time, 0.0], steps, f64::NAN);
+        self.pace.set_time(time);
+        self.pace.taken = steps;
     }
 }
 
@@ -386,9 +347,7 @@ impl<S: PowerSeries + Clone> Clone for Adaptive<S> {
 impl<S: PowerSeries> Adaptive<S> {
     /// The same for a system.
     fn of(&self, system: S) -> Self {
-        let Self { tolerance, fixed, most, end, time, taken, last, from, .. } = *self;
-        let series = self.series.clone();
-        Self { system, tolerance, fixed, most, end, time, taken, last, from, series }
+        Self { system, tolerance: self.tolerance, pace: self.pace, series: self.series.clone() }
     }
 }
 

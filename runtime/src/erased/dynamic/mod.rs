@@ -8,6 +8,7 @@ mod linearization;
 mod method;
 mod step;
 mod system;
+mod taylor;
 
 pub use crate::scalar::Work;
 pub use crate::scalar::simd::frame::{LANES, side_by_side};
@@ -15,3 +16,4 @@ pub use crate::scheme::Rule;
 pub use kernel::MOST_UNKNOWNS;
 pub use step::{Layout, Lengths, Solution, Step, StepDerivative, StepFunction, StepFunctions};
 pub use system::{Definition, DynamicSystem, Given, Inertia, SystemFunction, SystemFunctions, description};
+pub use taylor::SeriesFunctions;

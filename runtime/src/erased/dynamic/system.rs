@@ -9,8 +9,10 @@ use super::kernel::MOST_IN_LANES;
 use super::linearization::linearization;
 use super::method::{equation, method};
 use super::step::{Called, Step};
+use super::taylor::{DynamicTaylor, SeriesFunctions};
 use crate::ensemble::members::{Member, Members};
 use crate::ensemble::{EnsembleError, Instructions};
+use crate::erased::adaptive::TaylorSteps;
 use crate::erased::composition::composed;
 use crate::erased::equation::Equation;
 use crate::erased::field;
@@ -117,6 +119,8 @@ pub struct Definition {
     pub functions: Box<dyn SystemFunctions>,
     /// Its steps.
     pub steps: Vec<Arc<Step>>,
+    /// The power series of its motion, if the description asks for them.
+    pub series: Option<Arc<dyn SeriesFunctions>>,
 }
 
 impl core::fmt::Debug for Definition {
@@ -168,7 +172,7 @@ impl DynamicSystem {
     }
 
     /// The velocity of a state: a closed form, or by Newton's method.
-    fn velocity(&self, given: &Given<'_>) -> Vec<f64> {
+    pub(super) fn velocity(&self, given: &Given<'_>) -> Vec<f64> {
         let functions = &self.definition.functions;
         functions.call(SystemFunction::Velocity, given).unwrap_or_else(|| {
             let newton = |velocity: &[f64]| {
@@ -348,6 +352,11 @@ impl System for DynamicSystem {
 
     fn method(&self, map: RetractionKind, rule: Rule, step: f64) -> Option<Box<dyn Method<f64>>> {
         self.step(map, rule).map(|of| method(of, &Geometry::parameters(self), step))
+    }
+
+    fn power_series(&self, tolerance: f64) -> Option<Result<Box<dyn TaylorSteps>, ParameterError>> {
+        let functions = self.definition.series.clone()?;
+        Some(DynamicTaylor::boxed(self, functions, tolerance))
     }
 
     fn linearization(

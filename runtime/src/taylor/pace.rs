@@ -1,0 +1,174 @@
+//! How Taylor steps follow each other in time.
+
+use crate::error::{ParameterError, StepError};
+use crate::stepper::check_step;
+use crate::system::series::Length;
+
+/// The time of a trajectory, and what is asked of the length of its steps.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pace {
+    /// A step that is always the same, if it is.
+    pub(crate) fixed: Option<f64>,
+    /// No step is longer.
+    pub(crate) most: f64,
+    /// No step goes past this time, if it is one.
+    pub(crate) end: f64,
+    pub(crate) taken: u64,
+    /// The last step: how long it was.
+    pub(crate) last: Option<f64>,
+    /// The time in two numbers.
+    time: [f64; 2],
+    /// When the last step started; not a number where the series are not those of it.
+    from: f64,
+}
+
+/// The step that is wanted next.
+#[derive(Clone, Copy)]
+pub(crate) struct Wanted {
+    pub(crate) length: Length,
+    /// The way that is left, and the time at its end, if there is one.
+    pub(crate) end: Option<(f64, f64)>,
+}
+
+impl From<Length> for Wanted {
+    fn from(length: Length) -> Self {
+        Self { length, end: None }
+    }
+}
+
+/// A step that is shorter than this share of the time leads nowhere.
+const SHORTEST: f64 = 4.0 * f64::EPSILON;
+
+impl Default for Pace {
+    fn default() -> Self {
+        Self {
+            fixed: None,
+            most: f64::INFINITY,
+            end: f64::INFINITY,
+            taken: 0,
+            last: None,
+            time: [0.0; 2],
+            from: f64::NAN,
+        }
+    }
+}
+
+impl Pace {
+    pub(crate) fn time(&self) -> f64 {
+        self.time[0]
+    }
+
+    pub(crate) fn set_time(&mut self, time: f64) {
+        (self.time, self.from) = ([time, 0.0], f64::NAN);
+    }
+
+    /// Leaves the last step: what lies within it is not to be had any more.
+    pub(crate) fn leave(&mut self) {
+        self.from = f64::NAN;
+    }
+
+    pub(crate) fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError> {
+        check_step(step)?;
+        self.fixed = Some(step);
+        Ok(())
+    }
+
+    pub(crate) fn has_ended(&self) -> bool {
+        self.end == self.time()
+    }
+
+    /// The length of the last step, with the sign of the way to the end that is set; before the first that way.
+    pub(crate) fn step_size(&self) -> f64 {
+        let way = self.end - self.time();
+        match self.last {
+            _ if self.fixed.is_some() => self.fixed.unwrap_or(way),
+            None => way,
+            Some(last) if way == 0.0 || !way.is_finite() => last,
+            Some(last) => last.abs().copysign(way),
+        }
+    }
+
+    /// The next step, if there is one before the end.
+    pub(crate) fn next(&self) -> Result<Option<Wanted>, StepError> {
+        if self.end.is_finite() {
+            return self.toward(self.end);
+        }
+        Ok(Some(self.fixed.map_or(Length::AtMost(self.most), Length::Exactly).into()))
+    }
+
+    /// The next step toward a time, if it is not that time.
+    pub(crate) fn toward(&self, time: f64) -> Result<Option<Wanted>, StepError> {
+        let way = (time - self.time[0]) - self.time[1];
+        if !way.is_finite() {
+            return Err(StepError::OutOfReach { time });
+        }
+        if way == 0.0 {
+            return Ok(None);
+        }
+        let longest = self.fixed.map_or(self.most, f64::abs);
+        let length = match self.fixed {
+            Some(_) => Length::Exactly(if longest < way.abs() { longest.copysign(way) } else { way }),
+            None => Length::AtMost(way.abs().min(longest).copysign(way)),
+        };
+        Ok(Some(Wanted { length, end: Some((way, time)) }))
+    }
+
+    /// Begins a step. Returns the length of the one before, if there was one.
+    pub(crate) fn begin(&mut self) -> Option<f64> {
+        self.leave();
+        self.last
+    }
+
+    /// Goes on in time by a step, if it leads anywhere.
+    pub(crate) fn took(
+        &mut self,
+        step: f64,
+        is_finite: bool,
+        end: Option<(f64, f64)>,
+    ) -> Result<(), StepError> {
+        let [high, low] = self.time;
+        if step == 0.0 || step.abs() < SHORTEST * high.abs() {
+            self.last = None;
+            return Err(StepError::NoProgress { step });
+        }
+        if !step.is_finite() || !is_finite {
+            self.last = None;
+            return Err(if step.is_finite() { StepError::NotFinite } else { StepError::NoEnd });
+        }
+        // both numbers of the time, and the step
+        let sum = high + step;
+        let part = sum - high;
+        let rest = ((high - (sum - part)) + (step - part)) + low;
+        self.time = match end {
+            Some((way, time)) if step == way => [time, 0.0],
+            _ => [sum + rest, rest - ((sum + rest) - sum)],
+        };
+        (self.from, self.last) = (high, Some(step));
+        self.taken += 1;
+        Ok(())
+    }
+
+    /// How far within the last step this share of it is.
+    pub(crate) fn share(&self, share: f64) -> Option<f64> {
+        self.last.filter(|_| !self.from.is_nan() && (0.0..=1.0).contains(&share)).map(|last| share * last)
+    }
+
+    /// Whether a step of this length from there is within the last one.
+    pub(crate) fn covers(&self, start: f64, length: f64) -> bool {
+        start == self.from && self.last.is_some_and(|last| (0.0..=1.0).contains(&(length / last)))
+    }
+
+    #[cfg(feature = "std")]
+    pub(crate) fn snapshot(&self) -> [f64; 4] {
+        [self.time[0], self.time[1], self.taken as f64, self.last.unwrap_or(0.0)]
+    }
+
+    pub(crate) fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
+        let &[high, low, taken, last] = memory else {
+            return Err(ParameterError::Snapshot { expected: 4, got: memory.len() });
+        };
+        (self.time, self.taken, self.from) = ([high, low], taken as u64, f64::NAN);
+        self.last = Some(last).filter(|last| *last != 0.0);
+        Ok(())
+    }
+}
