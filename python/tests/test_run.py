@@ -241,3 +241,32 @@ def test_progress_is_told(top, y0):
     shares.clear()
     top.ensemble(y0, n=200, t_span=50, step=0.01, progress=shares.append)
     assert shares and shares[-1] <= 1 and sorted(shares) == shares
+
+
+def test_a_tolerance():
+    system = co.systems.heavy_top
+    top, y0 = system.example, system.state()
+    exact = top.run(y0, 20, step=0.002, order=8, every=10_000).end
+    for tolerance in (1e-6, 1e-12):
+        sol = top.run(y0, 20, tolerance=tolerance)
+        assert sol.t[-1] == 20 and 10 < sol.nsteps < 600 and sol.step is None
+        assert np.abs(sol.end.flat - exact.flat).max() < 1e4 * tolerance
+        assert np.abs(sol.casimirs - sol.casimirs[0]).max() < 1e-12
+    fine = top.run(y0, 20, step=0.01, order=8)
+    assert np.abs(sol(fine.t[::13]).flat - fine.y.flat[::13]).max() < 1e-7
+    at = top.run(y0, 20, tolerance=1e-12, t_eval=fine.t[::13])
+    assert np.abs(at.y.flat - fine.y.flat[::13]).max() < 1e-7
+    assert "Taylor" in repr(sol) and "tolerance 1e-12" in repr(sol)
+
+    def down(t, y):
+        return y.gamma[2]
+
+    events = [top.run(y0, 20, events=down, **keys).t_events[0] for keys in ({"tolerance": 1e-12}, {"step": 0.01, "order": 8})]
+    assert len(events[0]) > 2 and np.abs(events[0] - events[1]).max() < 1e-8
+    back = top.run(sol.end, (20, 0), tolerance=1e-12)
+    assert np.abs(back.end.flat - y0.flat).max() < 1e-8
+
+
+def test_a_tolerance_needs_power_series(top, y0):
+    with pytest.raises(ValueError, match="`taylor`"):
+        top.run(y0, 1, tolerance=1e-9)
