@@ -63,6 +63,8 @@ def ensemble(
     from ._ensemble import EnsembleSolution, Failed
 
     layout = system.system
+    if layout._module is not None:
+        raise ValueError("a system that is compiled ahead is one for the processor: device='cuda' needs its description as text")
     members, width, inputs = len(rows), layout._state.length, layout._controls.length
     if callable(controls):
         raise ValueError("on device='cuda' controls are held: an array, or one with a row for each member")

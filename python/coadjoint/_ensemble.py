@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from . import _native
 from ._solution import span_of, step_of
-from ._state import Array, State, numbers
+from ._state import Array, State
 from ._system import BoundSystem, scheme_name
 
 
-@dataclass(frozen=True)
-class Failed:
+class Failed(NamedTuple):
     """A member that could not take a step."""
 
     #: Which, from 0.
@@ -121,7 +118,7 @@ def ensemble(
         facts = layout._model.facts
         if not facts["autonomous"]:
             raise ValueError(f"{layout.name} depends on time: ensembles of it start at time 0")
-    native = _native.Ensemble(system._native, name, own, rows.ravel(), np.ascontiguousarray(fields).ravel())
+    native = system._native.ensemble(name, own, rows.ravel(), np.ascontiguousarray(fields).ravel())
     members, width, inputs = len(rows), layout._state.length, layout._controls.length
 
     def held(given: Any) -> Array:
@@ -162,5 +159,3 @@ def ensemble(
         system, np.array(times), State(layout._state, np.array(recorded)), State(layout._parameters, fields), failed
     )
 
-
-__all__ = ["EnsembleSolution", "Failed", "ensemble", "numbers"]

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import inspect
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -138,8 +136,12 @@ class System:
         #: The whole text of the description, as the Rust library takes it.
         self.text = str(text)
         self._struct = struct
+        self._module: str | None = None
         for message, place in self._model.warnings:
             warnings.warn(text.problem(message, place).shown("warning"), stacklevel=3)
+        self._describe()
+
+    def _describe(self) -> None:
         parameters, state, controls = self._model.quantities
         layouts = [
             Layout(what, [Quantity(n, r, k, tuple(s), tuple(c), t, u, d) for n, r, k, s, c, t, u, d in all])
@@ -203,6 +205,8 @@ class System:
         return f"<system {self.describe()}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
+        if self._module is not None:
+            return _of_module, (self._module, self.name)
         return _of_text, (self.text, self._struct)
 
     def __eq__(self, other: object) -> bool:
@@ -224,8 +228,23 @@ def _of_text(text: str, struct: str | None) -> System:
     return system
 
 
-@dataclass(frozen=True)
-class Certificate:
+def compiled(model: Any, module: str) -> System:
+    """A system that is compiled ahead: that of a module of its own."""
+    system = System.__new__(System)
+    system._model, system._module = model, module
+    system.text, system._struct = f"compiled: {module}.{model.name}", None
+    system._describe()
+    return system
+
+
+def _of_module(module: str, name: str) -> System:
+    import importlib
+
+    system: System = getattr(importlib.import_module(module), name)
+    return system
+
+
+class Certificate(NamedTuple):
     """A claim of a scheme, measured."""
 
     #: What was measured.
@@ -242,7 +261,6 @@ class Certificate:
     state: int
 
 
-@dataclass(frozen=True)
 class Report:
     """Certificates of the steps of one scheme."""
 
@@ -252,6 +270,9 @@ class Report:
     passed: bool
     #: A table of them.
     text: str
+
+    def __init__(self, certificates: tuple[Certificate, ...], passed: bool, text: str) -> None:
+        self.certificates, self.passed, self.text = certificates, passed, text
 
     def __repr__(self) -> str:
         return self.text
@@ -263,8 +284,7 @@ class Report:
         raise KeyError(name)
 
 
-@dataclass(frozen=True)
-class Jacobian:
+class Jacobian(NamedTuple):
     """A step with its derivatives, in coordinates of tangent vectors: see `BoundSystem.jacobian`."""
 
     #: The next state.
@@ -392,7 +412,7 @@ class BoundSystem:
         >>> stepper.t
         0.1
         """
-        stepper = _native.Stepper(self._native, scheme_name(self.system, scheme, order), float(step))
+        stepper = self._native.stepper(scheme_name(self.system, scheme, order), float(step))
         if t:
             stepper.t = t
         return stepper
@@ -544,6 +564,8 @@ class BoundSystem:
 
 def arity(function: Callable[..., Any]) -> int:
     """How many arguments a function takes by place: 1 or 2."""
+    import inspect
+
     try:
         parameters = inspect.signature(function).parameters.values()
     except (TypeError, ValueError):

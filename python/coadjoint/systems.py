@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import json
 from functools import cache
-from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 from . import _describe, _native
@@ -60,7 +60,7 @@ def _texts() -> dict[str, str]:
 
 @cache
 def _examples() -> dict[str, Any]:
-    examples: dict[str, Any] = json.loads((files(__package__) / "catalogue.json").read_text(encoding="utf-8"))
+    examples: dict[str, Any] = json.loads(Path(__file__).with_name("catalogue.json").read_text(encoding="utf-8"))
     return examples
 
 

@@ -58,38 +58,39 @@ impl Moving {
 }
 
 #[pymethods]
-impl Ensemble {
-    /// Builds an ensemble of states of a system, each with its parameters.
-    #[new]
-    fn new(
+impl System {
+    /// An ensemble of states, each with its parameters.
+    fn ensemble(
+        &self,
         py: Python<'_>,
-        system: &System,
         scheme: &str,
         step: f64,
         states: Numbers<'_>,
         parameters: Numbers<'_>,
-    ) -> PyResult<Self> {
-        let (width, controls) = system.lengths();
+    ) -> PyResult<Ensemble> {
+        let (width, controls) = self.lengths();
         let (states, parameters) = (slice(&states)?, slice(&parameters)?);
         let members = rows(states, width, "states")?;
         let scheme = self::scheme(scheme)?;
-        let description = erased::System::with_parameters(&*system.system, &[]).description();
-        let fields = length(description.parameters);
+        let fields = length(self.of().description().parameters);
         check(parameters, members * fields, "parameters")?;
         // behind the fields there are the constants of the description
-        let all = erased::System::with_parameters(&*system.system, &[]).parameters();
+        let all = self.of().parameters();
         let constants = &all[fields.min(all.len())..];
         let each = (0..members).map(|member| {
             let own = &parameters[member * fields..(member + 1) * fields];
             ([own, constants].concat(), states[member * width..(member + 1) * width].to_vec())
         });
-        let ensemble = py
-            .detach(|| erased::Ensemble::new(&*system.system, &scheme, each, step))
-            .map_err(error::value)?;
+        let ensemble =
+            py.detach(|| erased::Ensemble::new(&*self.system, &scheme, each, step)).map_err(error::value)?;
         let held = vec![0.0; members * controls];
-        Ok(Self { moving: Mutex::new(Moving { ensemble, controls: held }), members, width, controls })
+        let moving = Mutex::new(Moving { ensemble, controls: held });
+        Ok(Ensemble { moving, members, width, controls })
     }
+}
 
+#[pymethods]
+impl Ensemble {
     /// Sets the controls that members hold.
     fn control(&self, controls: Numbers<'_>) -> PyResult<()> {
         let controls = slice(&controls)?;

@@ -14,6 +14,7 @@ mod stepper;
 mod system;
 mod watch;
 
+pub use module::add;
 pub use pyo3;
 
 /// The module that the package imports.

@@ -56,16 +56,18 @@ impl Stepper {
 }
 
 #[pymethods]
-impl Stepper {
-    /// Builds a stepper for a system.
-    #[new]
-    fn new(system: &System, scheme: &str, step: f64) -> PyResult<Self> {
-        let (width, controls) = system.lengths();
+impl System {
+    /// What takes steps of this length with a scheme.
+    fn stepper(&self, scheme: &str, step: f64) -> PyResult<Stepper> {
+        let (width, controls) = self.lengths();
         let stepper =
-            erased::Stepper::new(system.erased(), &self::scheme(scheme)?, step).map_err(error::stepper)?;
-        Ok(Self { stepper: Mutex::new(stepper), width, controls })
+            erased::Stepper::new(self.erased(), &self::scheme(scheme)?, step).map_err(error::stepper)?;
+        Ok(Stepper { stepper: Mutex::new(stepper), width, controls })
     }
+}
 
+#[pymethods]
+impl Stepper {
     /// Takes one step: the state's array is the next one afterwards.
     #[pyo3(signature = (state, control=None))]
     fn step(&self, py: Python<'_>, state: &Bound<'_, PyAny>, control: Option<Numbers<'_>>) -> PyResult<()> {

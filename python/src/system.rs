@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
+use coadjoint::__private::Components as _;
 use coadjoint::certify::{self, certify_erased};
-use coadjoint::erased::{self, RetractionKind};
+use coadjoint::erased::dynamic::Rule;
+use coadjoint::erased::{self, Description, EnsembleSystem, RetractionKind};
 use coadjoint::{Kind, Quantity, Role, Scheme, Side};
-use coadjoint_dynamic::DynamicSystem;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -25,11 +26,56 @@ type Described = (
     &'static str,
 );
 
-/// A description that was read and derived.
+/// A description that was read and derived, or compiled ahead.
 #[pyclass(frozen, module = "coadjoint._native")]
 pub(crate) struct Model {
-    model: coadjoint_dynamic::Model,
+    description: Description,
+    about: String,
+    warnings: Vec<(String, Option<Place>)>,
+    schemes: Vec<String>,
+    make: Box<Make>,
 }
+
+/// Makes the system with some parameters.
+type Make = dyn Fn(&[f64]) -> Arc<dyn EnsembleSystem> + Send + Sync;
+
+impl Model {
+    /// The model of a system that is compiled ahead.
+    pub(crate) fn compiled<S>() -> Self
+    where
+        S: coadjoint::System<Scalar = f64> + EnsembleSystem,
+    {
+        let make = |parameters: &[f64]| -> Arc<dyn EnsembleSystem> {
+            let mut own = S::Parameters::<f64>::splat(0.0);
+            own.as_mut().iter_mut().zip(parameters).for_each(|(to, number)| *to = *number);
+            Arc::new(S::from_parameters(&own))
+        };
+        let system = make(&[]);
+        let maps = RetractionKind::ALL.into_iter();
+        let schemes = maps.flat_map(|map| RULES.map(|rule| (map, rule)));
+        let schemes = schemes.filter(|(map, rule)| system.method(*map, *rule, 1.0).is_some());
+        Self {
+            description: Description::of::<S>(),
+            about: String::new(),
+            warnings: Vec::new(),
+            schemes: schemes.map(|(map, rule)| Scheme::Step(map, rule).to_string()).collect(),
+            make: Box::new(make),
+        }
+    }
+}
+
+/// The rules of steps that a description may ask for by name.
+const RULES: [Rule; 9] = [
+    Rule::Member(0, 1),
+    Rule::Member(1, 2),
+    Rule::Member(1, 1),
+    Rule::TangentLift(0, 1),
+    Rule::TangentLift(1, 2),
+    Rule::HamiltonJacobi(4),
+    Rule::HamiltonJacobi(6),
+    Rule::HamiltonJacobi(8),
+    Rule::HamiltonJacobi(10),
+];
 
 #[pymethods]
 impl Model {
@@ -38,71 +84,73 @@ impl Model {
     #[pyo3(signature = (text, name=None))]
     fn new(py: Python<'_>, text: &str, name: Option<&str>) -> PyResult<Self> {
         let made = py.detach(|| coadjoint_dynamic::Model::from_file(text, "description", name));
-        made.map(|model| Self { model }).map_err(|error| error::description(py, &error))
+        let model = made.map_err(|error| error::description(py, &error))?;
+        let steps = model.definition().steps.iter().flat_map(|step| &step.schemes);
+        Ok(Self {
+            description: model.description(),
+            about: model.about().to_owned(),
+            warnings: model.warnings().iter().map(error::problem).collect(),
+            schemes: steps.map(|(map, rule)| Scheme::Step(*map, *rule).to_string()).collect(),
+            make: Box::new(move |parameters| Arc::new(model.system(parameters))),
+        })
     }
 
     /// The struct's name.
     #[getter]
     fn name(&self) -> &'static str {
-        self.model.name()
+        self.description.name
     }
 
     /// The first line of its documentation.
     #[getter]
     fn about(&self) -> &str {
-        self.model.about()
+        &self.about
     }
 
     /// What is no error, but worth knowing.
     #[getter]
     fn warnings(&self) -> Vec<(String, Option<Place>)> {
-        self.model.warnings().iter().map(error::problem).collect()
+        self.warnings.clone()
     }
 
     /// Parameters, state and controls.
     #[getter]
     fn quantities(&self) -> [Vec<Described>; 3] {
-        let description = self.model.description();
-        [description.parameters, description.state, description.controls]
-            .map(|all| all.iter().map(described).collect())
+        let Description { parameters, state, controls, .. } = self.description;
+        [parameters, state, controls].map(|all| all.iter().map(described).collect())
     }
 
     /// The names of the Casimirs.
     #[getter]
     fn casimirs(&self) -> Vec<&'static str> {
-        self.model.description().casimirs.to_vec()
+        self.description.casimirs.to_vec()
     }
 
     /// What the system is, in words and truths.
     #[getter]
     fn facts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let description = self.model.description();
         let facts = PyDict::new(py);
-        facts.set_item("autonomous", description.autonomous)?;
-        facts.set_item("invariant", description.invariant)?;
-        facts.set_item("forced", description.forced)?;
-        facts.set_item("piecewise", description.piecewise)?;
-        facts.set_item("side", if description.side == Side::Left { "left" } else { "right" })?;
+        facts.set_item("autonomous", self.description.autonomous)?;
+        facts.set_item("invariant", self.description.invariant)?;
+        facts.set_item("forced", self.description.forced)?;
+        facts.set_item("piecewise", self.description.piecewise)?;
+        facts.set_item("side", if self.description.side == Side::Left { "left" } else { "right" })?;
         Ok(facts)
     }
 
     /// The schemes whose steps were derived.
     #[getter]
     fn schemes(&self) -> Vec<String> {
-        let steps = self.model.definition().steps.iter();
-        steps
-            .flat_map(|step| &step.schemes)
-            .map(|(map, rule)| Scheme::Step(*map, *rule).to_string())
-            .collect()
+        self.schemes.clone()
     }
 
     /// The system with these parameters.
     fn system(&self, parameters: Numbers<'_>) -> PyResult<System> {
-        let expected = length(self.model.description().parameters);
+        let expected = length(self.description.parameters);
         let parameters = numbers(&parameters, expected, "the parameters")?;
-        let system = self.model.system(&parameters);
-        erased::System::with_parameters(&system, &parameters).validate().map_err(error::value)?;
-        Ok(System { system: Arc::new(system) })
+        let system = (self.make)(&parameters);
+        system.validate().map_err(error::value)?;
+        Ok(System { system })
     }
 }
 
@@ -139,7 +187,7 @@ pub(crate) fn length(quantities: &[Quantity]) -> usize {
 /// A system with its parameters.
 #[pyclass(frozen, module = "coadjoint._native")]
 pub(crate) struct System {
-    pub(crate) system: Arc<DynamicSystem>,
+    pub(crate) system: Arc<dyn EnsembleSystem>,
 }
 
 impl System {
@@ -148,7 +196,7 @@ impl System {
         self.system.clone()
     }
 
-    fn of(&self) -> &dyn erased::System {
+    pub(crate) fn of(&self) -> &dyn erased::System {
         &*self.system
     }
 
