@@ -109,6 +109,9 @@ if PROGRAM:
 # -- at equal error ----------------------------------------------------------------------------------------------------------------------------
 
 END = 1800.0
+#: Where a Taylor method with 40 digits leads the free body: attitude, momentum, gamma.
+FREE_BODY = [0.24326931190348805, -0.6249400018701446, -0.724368806738971, 0.1598745375977873, 1.035228567192545,
+             0.45969549742538734, -1.3103365458214526, 0.15260941470878095, -0.5356737045271371, -0.8305203482277943]
 
 
 def others(inertia, weight, start):
@@ -195,7 +198,7 @@ def at(rows, wanted):
     return f"{min(good) * 1e3:8.1f}" if good else "       -"
 
 
-ERRORS = (1e-4, 1e-6, 1e-8, 1e-10)
+ERRORS = (1e-4, 1e-6, 1e-8)
 for name, weight in (("free body", 0.0), ("heavy top", 1.0)):
     moving = co.System(
         group="SO3",
@@ -208,8 +211,9 @@ for name, weight in (("free body", 0.0), ("heavy top", 1.0)):
     )(inertia=[1, 10, 100], weight=weight, chi=[0, 0, 1])
     start = moving.state(momentum=[1, 1, 1], gamma=[0, 0, 1]).flat
     exact = moving.run(start, END, tolerance=1e-16).end.flat
-    check = moving.run(start, END, step=0.01, order=10, every=10**9).end.flat
-    print(f"\n{name}: two exact ends differ by {np.abs(exact - check).max():.1e}")
+    if name == "free body":
+        print(f"\nthe exact end of the free body: off by {np.abs(exact - FREE_BODY).max():.1e}")
+    print(f"\n{name}")
     fixed = lambda order: lambda step: moving.run(start, END, step=step, order=order, every=10**9).end.flat  # noqa: E731
     rows = {
         "Taylor steps": sweep(lambda tolerance: moving.run(start, END, tolerance=tolerance, every=10**9).end.flat,
@@ -225,7 +229,7 @@ for name, weight in (("free body", 0.0), ("heavy top", 1.0)):
         except co.StepError as error:
             print(f"Hamilton–Jacobi, order {order}: {error}")
     for other, solve in others([1, 10, 100], weight, start).items():
-        rows[other] = sweep(solve, 10.0 ** -np.arange(4, 15), exact)
+        rows[other] = sweep(solve, 10.0 ** -np.arange(4, 14), exact)
     print(f"{'ms to the end, at an error of':40}" + "".join(f"{error:>10.0e}" for error in ERRORS))
     for method, found in rows.items():
         print(f"{method:40}" + "".join(f"{at(found, error):>10}" for error in ERRORS))
