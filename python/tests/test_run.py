@@ -270,3 +270,23 @@ def test_a_tolerance():
 def test_a_tolerance_needs_power_series(top, y0):
     with pytest.raises(ValueError, match="`taylor`"):
         top.run(y0, 1, tolerance=1e-9)
+
+
+def test_a_page_is_that_of_the_program(top, y0, cart):
+    import os
+    import shutil
+
+    from coadjoint._view import options
+
+    sol = top.run(y0, 2, step=0.01, scheme="cayley", order=4)
+    assert options(sol)[-4:] == ["--order", "4", "--retraction", "cayley"]
+    listed = co.systems.heavy_top
+    sol = listed.example.run(listed.state(), 1, step=0.01, scheme="midpoint")
+    assert options(sol)[4:] == ["--method", "midpoint"]
+    for wrong in (cart.run([0, 0], 1, step=0.1, controls=[1.0]), top.run(y0, (1, 2), step=0.1), top.run(y0, (0, -1), step=0.1)):
+        with pytest.raises(ValueError, match="pages are of motions"):
+            wrong.view()
+    program = os.environ.get("COADJOINT_PROGRAM") or shutil.which("coadjoint")
+    if program:
+        page = top.run(y0, 2, step=0.01).view(program)
+        assert "<html" in (page if isinstance(page, str) else page.data)
