@@ -21,9 +21,8 @@ fresh "$python" "$work/test" numpy scipy pandas matplotlib pytest mypy nbclient 
 installing=$!
 
 step wheel
-# as it is shipped: no test's flags, and no lint's
-env -u RUSTC_WORKSPACE_WRAPPER -u RUSTFLAGS CARGO_INCREMENTAL=0 \
-    "$work/build/bin/maturin" build --release --locked --interpreter "$python" --out "$work/dist"
+# by `.ci/run` it is compiled under Clippy, with its flags
+CARGO_INCREMENTAL=0 "$work/build/bin/maturin" build --release --locked --interpreter "$python" --out "$work/dist"
 wheel=$(echo "$work"/dist/*.whl)
 case "$wheel" in
     *-cp310-abi3-*) ;;
