@@ -474,6 +474,7 @@ class BoundSystem:
         states: the states they start from: an array with one row for each, or a dict of arrays. What is the same for all need be given once.
         parameters: likewise, of those that differ from this system's.
         n: how many there are, if that does not follow from the arrays.
+        scheme, order: as of a run, but by default the Cayley map.
         controls: an array, or one with a row for each member, that is held; or a function of `t, y` of all members at once, asked before each step.
         every: records the states after every so many steps; by default the last ones alone.
         device: `cpu`, or `cuda` by way of CuPy.
