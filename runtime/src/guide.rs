@@ -30,6 +30,7 @@
 //! * … [take steps in C](headers), on a microcontroller or a GPU
 //! * … [choose the system while the program runs](erased)
 //! * … [read a system from a text](at_run_time), with no compiler
+//! * … [do all of that from Python](python)
 //!
 //! **Reference**
 //!
@@ -68,6 +69,7 @@ pages![
     embedded,
     headers,
     erased,
+    python,
     reading,
     paper
 ];

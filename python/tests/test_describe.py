@@ -1,0 +1,188 @@
+"""Descriptions: the ways to write one, and what is wrong with one at its place in the string."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+import coadjoint as co
+from conftest import HEAVY_TOP
+
+ATTRIBUTE = "group = SO3, advected(gamma: R3), potential = weight * gamma.dot(&chi)"
+FIELDS = {"inertia": "inertia: Vector3 [kg m²]", "parameters": "weight: float [N], chi: Vector3 [m]"}
+WHOLE = """#[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.dot(&chi))]
+struct HeavyTop {
+    #[inertia] #[unit("kg m²")] inertia: Vector3<f64>,
+    #[unit("N")] weight: f64,
+    #[unit("m")] chi: Vector3<f64>,
+}"""
+
+
+def test_three_ways_to_write_one_system():
+    made = [
+        co.System(**HEAVY_TOP),
+        co.System(ATTRIBUTE, name="HeavyTop", **FIELDS),
+        co.System(WHOLE),
+        co.System(
+            group={"attitude": "SO3"},
+            advected={"gamma": "R3"},
+            potential=HEAVY_TOP["potential"],
+            inertia={"inertia": "Vector3 [kg m²]"},
+            parameters={"weight": "f64 [N]", "chi": "Vector3<f64> [m]"},
+            name="HeavyTop",
+        ),
+    ]
+    ends = []
+    for system in made:
+        assert system.parameter_quantities == made[0].parameter_quantities
+        # a factor with a name has momenta with that name
+        advected = system.state_quantities[-1].name
+        assert (system.name, advected, system.casimir_names[0]) == ("HeavyTop", "gamma", "|gamma|²")
+        top = system([1, 10, 100, 1, 0, 0, 1])
+        y = np.array([1, 0, 0, 0, 1, 1, 1, 0, 0, 1.0])
+        ends.append(top.run(y, 1, step=0.01).y.flat[-1].tolist())
+    assert ends[0] == ends[1] == ends[2] == ends[3]
+
+
+def test_forces_arrays_and_switches():
+    system = co.System(
+        group={"hull": "SO3", "arm": "SO2"},
+        control="motor: R1",
+        hamiltonian="hull_momentum.dot(&hull_momentum.component_div(&inertia)) / 2.0 + arm_momentum.norm_squared() * weights[1]",
+        force={"arm": "motor - friction * arm_momentum"},
+        parameters="""
+            inertia: Vector3 [kg m²]
+            weights: [f64; 2]
+            friction: float [1/s]
+        """,
+        units={"motor": "N m"},
+        methods="Midpoint",
+        retractions="Exponential, Cayley",
+    )
+    assert [one.name for one in system.control_quantities] == ["motor"]
+    assert system.control_quantities[0].unit == "N m"
+    assert "Midpoint<Cayley>" in system.schemes
+    names = [(one.name, one.unit) for one in system.parameter_quantities]
+    assert names == [("inertia", "kg m²"), ("weights_0", None), ("weights_1", None), ("friction", "1/s")]
+
+
+def test_definitions_stand_beside():
+    body = co.System(
+        group="R1",
+        potential="density(position.x) * SCALE",
+        inertia="mass: float",
+        definitions="const SCALE: f64 = 2.0;\n#[expression]\nfn density(height: f64) -> f64 { (-height).exp() }",
+    )(mass=1)
+    assert body.energy([0.0, 0.0]) == 2.0
+    # constants follow the parameters of members too
+    sol = body.ensemble([[0.0, 0.0], [1.0, 0.0]], {"mass": [1.0, 2.0]}, t_span=1, step=0.01)
+    alone = body.replace(mass=2.0).run([1.0, 0.0], 1, step=0.01, scheme="cayley" if "Cayley" in body.system.schemes else None)
+    assert np.abs(sol.end.flat[1] - alone.y.flat[-1]).max() < 1e-14
+
+
+WRONG = [
+    # a key, what it is, and where what is wrong with it stands
+    ({"potential": "wait * gamma.dot(&chi)"}, ("potential", 1, 1, 4), "there is no `wait` here"),
+    ({"potential": "weight *\n  gama.dot(&chi)"}, ("potential", 2, 3, 4), "did you mean `gamma`?"),
+    ({"potential": "weight * (gamma.dot(&chi)"}, ("potential", 1, 10, 1), "a bracket or a quote is not closed"),
+    ({"potential": "weight * gamma"}, ("potential", 1, 1, 14), "must be a scalar"),
+    ({"potential": "weight * Gamma(gamma.x)"}, ("potential", 1, 10, None), ""),
+    ({"group": "SO7x"}, ("group", 1, 1, 4), "there is no group `SO7x`"),
+    ({"advected": "gamma: R9"}, ("advected", 1, 8, 2), ""),
+    ({"advected": "gamma R3"}, ("advected", 1, 7, 2), "expected a colon"),
+    ({"parameters": "weight: float, chi: Vektor3"}, ("parameters", 1, 21, 7), "`chi` cannot be of this type"),
+    ({"parameters": "weight: float [N],\n   chi: Vektor3 [m]"}, ("parameters", 2, 9, 7), "`chi` cannot be of this type"),
+    ({"parameters": {"weight": "float", "chi": "Vektor3 [m]"}}, ("parameters['chi']", 1, 1, 7), "`chi` cannot be of this type"),
+    ({"parameters": "weight float, chi: Vector3"}, ("parameters", 1, 8, None), "expected `:`"),
+    ({"inertia": "inertia: Vector2"}, ("inertia", 1, None, None), ""),
+    ({"methods": "Midpiont"}, ("methods", 1, 1, 8), "Midpoint"),
+    ({"retractions": "Caley"}, ("retractions", 1, 1, 5), "Cayley"),
+    ({"force": "thrust"}, ("force", 1, 1, 6), "there is no `thrust`"),
+    ({"invariance": "up"}, ("invariance", 1, 1, 2), ""),
+    ({"units": {"momentun": "kg"}}, ("units", 1, None, None), "momentun"),
+]
+
+
+@pytest.mark.parametrize(("change", "place", "message"), WRONG, ids=lambda value: str(value)[:40])
+def test_what_is_wrong_is_told_at_its_place(change, place, message):
+    with pytest.raises(co.DescriptionError) as caught:
+        co.System(**{**HEAVY_TOP, **change})
+    error = caught.value
+    assert isinstance(error, ValueError) and message in str(error)
+    found = [one.place for one in error.problems if one.place and one.place.source == place[0]]
+    assert found, error
+    source, line, column, width = place
+    assert any(
+        at.line == line and column in (None, at.column) and width in (None, at.width) for at in found
+    ), (found, error)
+    text = next(iter(change.values()))
+    if isinstance(text, str):
+        for at in found:
+            assert at.text == text.split("\n")[at.line - 1]
+            assert f"--> {source}:{at.line}:{at.column}" in str(error)
+
+
+def test_all_problems_at_once():
+    with pytest.raises(co.DescriptionError) as caught:
+        co.System(**{**HEAVY_TOP, "potential": "wait * gama.x", "parameters": "weight: String"})
+    assert len(caught.value.problems) >= 2
+    assert {one.place.source for one in caught.value.problems if one.place} == {"potential", "parameters"}
+
+
+def test_a_whole_text_has_its_own_lines():
+    with pytest.raises(co.DescriptionError) as caught:
+        co.System(WHOLE.replace("gamma.dot", "gama.dot"))
+    assert caught.value.problems[0].place.column == 1 + WHOLE.index("gamma.dot")
+
+
+@pytest.mark.parametrize(
+    ("positional", "keys", "error"),
+    [
+        (None, {}, co.DescriptionError),
+        ("", {}, co.DescriptionError),
+        ("group = SO3", {}, co.DescriptionError),
+        ("struct A;", {}, co.DescriptionError),
+        (WHOLE, {"group": "SO3"}, TypeError),
+        (3, {}, TypeError),
+        (None, {"group": 3}, TypeError),
+        (None, {"group": "SO3", "inertia": 3}, TypeError),
+        (None, {"group": "SO3", "inertia": {"inertia": 3}}, TypeError),
+        (None, {"group": "SO3", "potential": {"a": "b"}, "inertia": "i: Vector3"}, TypeError),
+        (None, {"group": "SO3", "units": "kg", "inertia": "i: Vector3"}, TypeError),
+        (None, {"group": "SO3", "inertia": "i: Vector3", "name": "no name"}, ValueError),
+        (None, {"group": "SO3", "inertia": "i: Vector3\0"}, co.DescriptionError),
+        (None, {"group": "SO3", "inertia": "i: Vector3", "potential": "(" * 5000}, co.DescriptionError),
+        (None, {"group": "SO3", "inertia": "i: Vector3", "potential": "1.0}] struct B {"}, co.DescriptionError),
+        (None, {"group": "SO3", "inertia": "i: Vector3", "no_such_key": "1"}, TypeError),
+    ],
+)
+def test_what_is_no_description_is_refused(positional, keys, error):
+    with pytest.raises(error):
+        co.System(positional, **keys)
+
+
+def test_systems_are_pickled(HeavyTop, top, y0):
+    again = pickle.loads(pickle.dumps(HeavyTop))
+    assert again == HeavyTop and hash(again) == hash(HeavyTop) and repr(again) == repr(HeavyTop)
+    moved = pickle.loads(pickle.dumps(top))
+    assert moved == top and moved.energy(y0) == top.energy(y0)
+    sol = top.run(y0, 1, step=0.01)
+    back = pickle.loads(pickle.dumps(sol))
+    assert (back.y.flat == sol.y.flat).all() and (back(0.123).flat == sol(0.123).flat).all()
+    state = pickle.loads(pickle.dumps(y0))
+    assert state == y0 and state.gamma[2] == 1.0
+    error = pickle.loads(pickle.dumps(co.StepError("no", 1.0, np.ones(3), 4)))
+    assert (error.t, error.step, str(error)) == (1.0, 4, "no")
+
+
+def test_units_and_words_are_shown(HeavyTop, top, y0):
+    assert "inertia [kg m²]: 3 vector" in repr(HeavyTop) and "momentum·gamma" in HeavyTop.__doc__
+    assert repr(top) == "HeavyTop(inertia=[1.0, 10.0, 100.0] kg m², weight=1.0 N, chi=[0.0, 0.0, 1.0] m)"
+    assert "gamma=[0. 0. 1.]" in repr(y0)
+    listed = co.systems.heavy_top
+    assert listed.about == "A rigid body that turns about a fixed point under gravity"
+    assert listed.parameter_quantities[0].doc.startswith("Principal moments of inertia")
+    assert "momentum=[1. 1. 1.] kg m²/s" in repr(listed.state())
+    with pytest.raises(AttributeError, match="did you mean `heavy_top`"):
+        co.systems.heavy_tops
+    assert "heavy_top" in dir(co.systems)
