@@ -5,6 +5,8 @@
 //! Signs*, 2008). Between two of them the polynomial rises or falls: it has one root there, or none. A double root is one of them at which the
 //! polynomial is zero but for rounding. Nothing is allocated, and the work is bounded.
 
+use core::cell::Cell;
+
 use super::Crossing;
 use super::search::{Point, crossing};
 
@@ -42,6 +44,41 @@ const CUT: f64 = 0.483_7;
 const NEAR: f64 = 1e-4;
 /// Farther apart two roots are two, and a complex root is none.
 const DOUBLE: f64 = 1e-5;
+
+/// Whether coefficients that are rounded tell all roots of what they are those of: an extremum, or a slope where it is zero, may be no more than what
+/// rounding leaves of its terms, as where many roots lie close together and far from 0. A part of it, expanded anew, tells more.
+pub(crate) fn are_clear(coefficients: &[f64]) -> bool {
+    let is_clear = Cell::new(true);
+    let terms = |at: f64| {
+        let [mut value, mut slope, mut size] = [0.0; 3];
+        for x in coefficients.iter().rev() {
+            (slope, value, size) = (slope * at + value, value * at + x, size * at + x.abs());
+        }
+        [f64::abs(value), f64::abs(slope), size]
+    };
+    let see = |at: f64| {
+        let [value, slope, size] = terms(at);
+        // at a crossing the slope tells, at an extremum the value
+        if value < CLEAR * size && slope < CLEAR_SLOPE * size {
+            is_clear.set(false);
+        }
+    };
+    // a zero at the start is known as such
+    let answer = roots(
+        coefficients,
+        &mut |root| {
+            if root.at > 0.0 {
+                see(root.at)
+            }
+        },
+        &mut |at| see(at),
+    );
+    matches!(answer, Answer::Zero) || is_clear.get()
+}
+
+/// Values and slopes that are smaller, relative to the terms, may be rounding.
+const CLEAR: f64 = 1e-12;
+const CLEAR_SLOPE: f64 = 1e-8;
 
 /// Tells the real roots from 0 to 1 of the polynomial with these coefficients, the constant one first: each once, in their order.
 ///

@@ -388,17 +388,21 @@ fn touched(
     by: f64,
     rounding: f64,
 ) -> Result<Point, StepError> {
-    let noise = rounding + 2.0 * spread(function, extremum.at, extremum.at - by, extremum.at + by)?;
-    if extremum.value.abs() <= noise {
-        return Ok(Point { value: 0.0, ..extremum });
+    if extremum.value == 0.0 {
+        return Ok(extremum);
     }
     let sign = extremum.value.signum();
     let [left, right] = [extremum.at - by, extremum.at + by];
     let [left, right] = [(left, function(left)?), (right, function(right)?)]
         .map(|(at, value)| Point { at, value: sign * value });
     let middle = Point { value: sign * extremum.value, ..extremum };
+    // where it is farthest from zero, between two zeros that lie close together, it does not touch it
     if left.value <= middle.value || right.value <= middle.value {
         return Ok(extremum);
+    }
+    let noise = rounding + 2.0 * spread(function, extremum.at, left.at, right.at)?;
+    if middle.value <= noise {
+        return Ok(Point { value: 0.0, ..extremum });
     }
     let least = dip(&mut |at| function(at).map(|value| sign * value), left, middle, right)?;
     Ok(least.map_or(extremum, |least| match least.value.abs() <= noise {

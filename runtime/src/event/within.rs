@@ -2,6 +2,7 @@
 
 use core::ops::ControlFlow;
 
+use super::roots::are_clear;
 use super::tracker::Tracker;
 use super::{Event, Moment, Occurrence};
 use crate::error::StepError;
@@ -302,8 +303,18 @@ where
         }
         let (mut from, mut part) = (0.0, *known);
         for _ in 0..MOST_PARTS {
-            let Some((length, to)) = part else { break };
-            let coefficients = series.get(..length).unwrap_or_default();
+            let Some((length, mut to)) = part else { break };
+            let coefficients = series.get_mut(..length).unwrap_or_default();
+            // zeros that lie close together are told by a series that starts near them
+            let least = (to - from) / 128.0;
+            while to - from > least && !are_clear(coefficients) {
+                to = from + 0.5 * (to - from);
+                let mut power = 1.0;
+                for x in coefficients.iter_mut() {
+                    *x *= power;
+                    power *= 0.5;
+                }
+            }
             tracker
                 .see_series(coefficients, (from, to), &mut |share| value(share, state, dense, condition))?;
             part = if to < 1.0 {

@@ -180,6 +180,16 @@ fn no_zero_of_a_polynomial_is_missed_in_one_step() {
     assert!(most >= 11, "{most}");
 }
 
+/// Far from the start of the step, where the terms of its series are 10¹³ times as large as it is.
+#[test]
+fn zeros_that_lie_close_together_are_told_apart() {
+    let mut system = even().0;
+    system.zeros =
+        [0.4896, 0.6765, 0.7264, 0.7878, 0.8372, 0.8421, 0.8802, 0.8867, 0.8966, 0.9187, 0.9288, 0.9588];
+    let zeros = system.zeros;
+    assert_told(&system, "product", &zeros, true);
+}
+
 #[test]
 fn no_zero_of_a_sum_of_waves_is_missed_in_one_step() {
     let (mut random, mut most, mut tried) = (Random(2), 0, 0);
