@@ -9,7 +9,6 @@ mod pair;
 mod step;
 mod system;
 
-pub use crate::scalar::FUSED;
 pub use crate::scalar::Work;
 pub use crate::scalar::simd::frame::{LANES, side_by_side};
 pub use crate::scalar::simd::march::{March, Marching};
@@ -17,3 +16,6 @@ pub use crate::scheme::Rule;
 pub use kernel::{MOST_UNKNOWNS, row_length};
 pub use step::{Layout, Lengths, Step, StepFunction, StepFunctions};
 pub use system::{Definition, DynamicSystem, Given, Inertia, SystemFunction, SystemFunctions, description};
+
+/// Whether a product and a sum are rounded once, in all that the program computes.
+pub const FUSED: bool = crate::scalar::FUSED;
