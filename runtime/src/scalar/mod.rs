@@ -20,7 +20,8 @@ use simd::lanes::{Portable, Processor};
 /// `-C target-cpu=native` on most. Not looked for at run time: what a program computes does not depend on the machine that it runs on.
 ///
 /// Never without `std`, where nalgebra does it in software.
-pub const FUSED: bool = cfg!(all(feature = "std", any(target_feature = "fma", target_arch = "aarch64")));
+pub(crate) const FUSED: bool =
+    cfg!(all(feature = "std", any(target_feature = "fma", target_arch = "aarch64")));
 
 /// What straight-line code needs of a number: `f64`, `f32`, and anything that is a Copy
 /// [`RealField`] (dual numbers for one).

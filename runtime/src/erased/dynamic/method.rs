@@ -152,10 +152,12 @@ impl<T: Called, const U: usize> Method<T> for DynamicMethod<T, U> {
         self.give(state, control);
         while report.steps < most {
             let ahead = Clock { taken: clock.taken + report.steps, ..clock };
+            let mut has_first = false;
             if let Some(marched) = self.march(ahead, most - report.steps) {
                 let (iterations, residual) = self.joined.user().on_fast_path();
                 report.count(marched.steps, &iterations, residual, marched.more);
                 report.steps += marched.steps;
+                has_first = marched.has_first;
             }
             if report.steps == most {
                 break;
@@ -163,8 +165,8 @@ impl<T: Called, const U: usize> Method<T> for DynamicMethod<T, U> {
             let time = T::of(clock.after(report.steps));
             let advanced = match self.newton(time) {
                 Some(advanced) => advanced,
-                None => match self.joined.user().advance_farther(&[], time, &[], true, None) {
-                    Ok(advanced) => advanced.with(()),
+                None => match self.rest(has_first, time, true, &mut []) {
+                    Ok(advanced) => advanced,
                     Err(_) => break,
                 },
             };

@@ -11,7 +11,6 @@ mod step;
 mod system;
 mod taylor;
 
-pub use crate::scalar::FUSED;
 pub use crate::scalar::Work;
 pub use crate::scalar::simd::frame::{LANES, side_by_side};
 pub use crate::scalar::simd::march::{March, Marching};
@@ -22,3 +21,6 @@ pub use system::{
     Definition, DynamicSystem, Given, Inertia, SystemFunction, SystemFunctions, description, with_events,
 };
 pub use taylor::SeriesFunctions;
+
+/// Whether a product and a sum are rounded once, in all that the program computes.
+pub const FUSED: bool = crate::scalar::FUSED;
