@@ -28,6 +28,10 @@ pub enum Error {
     /// Ctrl-C or a signal to end; what was computed is written.
     #[error("interrupted")]
     Interrupted,
+    /// A command line that is no command, or that asks for help: what there is to say has been printed, and this is the
+    /// exit code.
+    #[error("see the usage")]
+    Usage(u8),
     /// The terminal, or the program this one is piped into, is closed.
     #[error("cannot write to standard output: {0}")]
     Console(#[from] io::Error),

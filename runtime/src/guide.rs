@@ -24,6 +24,7 @@
 //! * … [run it](running): to a time, until a condition, with observers, from a snapshot
 //! * … [find events](events), and states between the steps
 //! * … [run many at once](ensembles)
+//! * … [run millions](clusters), on a cluster: shards, MPI, checkpoints
 //! * … [differentiate steps and runs](derivatives): control, estimation, identification
 //! * … [write and read states](storing), and the two orders of a quaternion
 //! * … [run without the standard library](embedded)
@@ -64,6 +65,7 @@ pages![
     running,
     events,
     ensembles,
+    clusters,
     derivatives,
     storing,
     embedded,

@@ -9,6 +9,7 @@ mod interrupt;
 mod list;
 #[cfg(feature = "manual")]
 mod manual;
+mod merge;
 mod motion;
 mod open;
 mod play;
@@ -33,6 +34,7 @@ use run::RunArguments;
 
 use crate::catalogue::{Catalogue, Entry, set_program};
 use crate::error::{Error, FileError, RunError};
+use crate::simulate::ensemble::{Alone, Ranks};
 use crate::units::printable;
 
 /// The meaning of exit codes.
@@ -69,6 +71,8 @@ enum Command {
     Init(init::InitArguments),
     /// Run many members of a system, and draw how they spread
     Ensemble(ensemble::EnsembleArguments),
+    /// Make one ensemble of its shards
+    Merge(merge::MergeArguments),
     /// Print the code generated for a system
     #[cfg(feature = "show")]
     Show(show::ShowArguments),
@@ -139,15 +143,27 @@ impl App {
     /// Runs the program with the arguments it was started with; its exit code says how it went: 0 well, 2 wrong input,
     /// 3 a motion that cannot be computed, 4 output that cannot be written, 130 ended by Ctrl-C, 1 a bug.
     pub fn main(self) -> ExitCode {
-        match self.run(std::env::args_os(), &mut io::stdout().lock()) {
-            Ok(()) => ExitCode::SUCCESS,
-            Err(error) if error.is_broken_pipe() => ExitCode::SUCCESS,
+        ExitCode::from(self.run_among(&Alone))
+    }
+
+    /// Runs the program with other processes, all with the same arguments, and tells its exit code: they share the members of an ensemble. The
+    /// first one prints, and runs every other command by itself. Where one ends with another code than 0, the others have to be ended.
+    pub fn run_among(self, ranks: &dyn Ranks) -> u8 {
+        let (mut stdout, mut nowhere) = (io::stdout().lock(), io::sink());
+        let console: &mut dyn Write = if ranks.rank() == 0 { &mut stdout } else { &mut nowhere };
+        match self.run(std::env::args_os(), console, ranks) {
+            Ok(()) => 0,
+            Err(error) if error.is_broken_pipe() => 0,
             // the message has been printed
-            Err(Error::Interrupted) => ExitCode::from(exit_code(&Error::Interrupted)),
+            Err(error @ (Error::Interrupted | Error::Usage(_))) => exit_code(&error),
             Err(error) => {
+                let of = match ranks.size() {
+                    1 => String::new(),
+                    size => format!(" (rank {} of {size})", ranks.rank() + 1),
+                };
                 // if standard error is closed too, the exit code still speaks
-                let _ = writeln!(io::stderr(), "error: {}", printable(&error.to_string()));
-                ExitCode::from(exit_code(&error))
+                let _ = writeln!(io::stderr(), "error{of}: {}", printable(&error.to_string()));
+                exit_code(&error)
             }
         }
     }
@@ -174,23 +190,37 @@ impl App {
         &self,
         arguments: impl IntoIterator<Item = OsString>,
         console: &mut dyn Write,
+        ranks: &dyn Ranks,
     ) -> Result<(), Error> {
+        let is_first = ranks.rank() == 0;
         let mut arguments: Vec<OsString> = arguments.into_iter().collect();
         if arguments.len() == 1 {
             arguments.extend(self.default.map(OsString::from));
         }
         interrupt::guard();
         let matches = self.parser().try_get_matches_from(arguments);
-        let matches = matches.unwrap_or_else(|error| explained(error, &self.parser()).exit());
+        let matches = match matches {
+            Ok(matches) => matches,
+            Err(_) if !is_first => return Ok(()),
+            Err(error) => {
+                let error = explained(error, &self.parser());
+                // not an exit at once: other processes may wait for this one
+                let _ = error.print();
+                return Err(Error::Usage(u8::try_from(error.exit_code()).unwrap_or(2)));
+            }
+        };
         let own = matches.subcommand().and_then(|(name, matches)| {
             let own = self.commands.iter().find(|(arguments, _)| arguments.get_name() == name);
             own.map(|(_, run)| (run, matches))
         });
         match own {
-            Some((run, matches)) => run(&self.catalogue, matches, console)?,
+            Some((run, matches)) if is_first => run(&self.catalogue, matches, console)?,
+            Some(_) => {}
             None => {
                 let line = CommandLine::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
-                line.command.run(self, console)?;
+                if is_first || matches!(line.command, Command::Ensemble(_)) {
+                    line.command.run(self, console, ranks)?;
+                }
             }
         }
         Ok(console.flush()?)
@@ -198,7 +228,7 @@ impl App {
 }
 
 impl Command {
-    fn run(&self, app: &App, console: &mut dyn Write) -> Result<(), Error> {
+    fn run(&self, app: &App, console: &mut dyn Write, ranks: &dyn Ranks) -> Result<(), Error> {
         let catalogue = &self.catalogue(&app.catalogue)?;
         match self {
             Command::List(arguments) => list::list(catalogue, arguments, console),
@@ -207,7 +237,8 @@ impl Command {
             Command::View(arguments) => run::view(catalogue, arguments, console),
             Command::Play(arguments) => play::play(arguments, console),
             Command::Init(arguments) => init::init(catalogue, arguments, console),
-            Command::Ensemble(arguments) => ensemble::ensemble(catalogue, arguments, console),
+            Command::Ensemble(arguments) => ensemble::ensemble(catalogue, arguments, console, ranks),
+            Command::Merge(arguments) => merge::merge(catalogue, arguments, console),
             #[cfg(feature = "show")]
             Command::Show(arguments) => show::show(catalogue, arguments, console),
             Command::Certify(arguments) => certify::certify(catalogue, arguments, console),
@@ -300,6 +331,7 @@ fn exit_code(error: &Error) -> u8 {
             RunError::Setup(_) | RunError::Stepper(_) | RunError::Ensemble(_) | RunError::Member { .. },
         ) => 2,
         Error::Run(_) | Error::Command(_) => 3,
+        Error::Usage(code) => *code,
         Error::Interrupted => interrupt::exit_code(),
         Error::Console(_) => 4,
         Error::Claim { .. } | Error::Generator { .. } => 1,

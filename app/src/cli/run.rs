@@ -112,7 +112,7 @@ pub(crate) struct ViewArguments {
 const PAUSE: f64 = 10.0;
 
 /// A time between two checkpoints.
-fn pause(text: &str) -> Result<f64, String> {
+pub(super) fn pause(text: &str) -> Result<f64, String> {
     let seconds: f64 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
     match seconds {
         0.0..=1e9 => Ok(seconds),

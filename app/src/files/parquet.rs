@@ -1,11 +1,11 @@
 //! A trajectory as Parquet: a column of doubles for each of time, the state's components and energy; what the run was,
-//! and what it found of the invariants, in the file's metadata.
+//! and what it found of the invariants, in the file's metadata. Rows of ensembles have the member's number before them.
 
 use std::io;
 use std::sync::Arc;
 
 use parquet::basic::{Repetition, Type as Physical};
-use parquet::data_type::DoubleType;
+use parquet::data_type::{DoubleType, Int64Type};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
@@ -24,13 +24,17 @@ const GROUP: usize = 1 << 14;
 pub(super) struct Parquet {
     writer: SerializedFileWriter<NewFile>,
     columns: Vec<Vec<f64>>,
+    /// Whether the first column is of members' numbers.
+    has_members: bool,
 }
 
 impl Parquet {
     pub(super) fn new(file: NewFile, names: &[String], origin: &FileOrigin) -> io::Result<Self> {
+        let has_members = names.first().is_some_and(|name| name == "member");
         let writer = || -> Result<_, ParquetError> {
-            let fields = names.iter().map(|name| {
-                let field = Type::primitive_type_builder(name, Physical::DOUBLE);
+            let fields = names.iter().enumerate().map(|(k, name)| {
+                let kind = if k == 0 && has_members { Physical::INT64 } else { Physical::DOUBLE };
+                let field = Type::primitive_type_builder(name, kind);
                 field.with_repetition(Repetition::REQUIRED).build().map(Arc::new)
             });
             let fields = fields.collect::<Result<Vec<_>, _>>()?;
@@ -43,14 +47,20 @@ impl Parquet {
             }
             Ok(writer)
         };
-        Ok(Self { writer: writer().map_err(cause)?, columns: vec![Vec::new(); names.len()] })
+        let columns = vec![Vec::new(); names.len()];
+        Ok(Self { writer: writer().map_err(cause)?, columns, has_members })
     }
 
     fn write_group(&mut self) -> Result<(), ParquetError> {
         let mut group = self.writer.next_row_group()?;
-        for column in &mut self.columns {
+        for (k, column) in self.columns.iter_mut().enumerate() {
             if let Some(mut writer) = group.next_column()? {
-                writer.typed::<DoubleType>().write_batch(column, None, None)?;
+                if k == 0 && self.has_members {
+                    let members: Vec<i64> = column.iter().map(|member| *member as i64).collect();
+                    writer.typed::<Int64Type>().write_batch(&members, None, None)?;
+                } else {
+                    writer.typed::<DoubleType>().write_batch(column, None, None)?;
+                }
                 writer.close()?;
             }
             column.clear();

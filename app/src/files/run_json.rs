@@ -361,7 +361,7 @@ impl FileOrigin {
     }
 
     /// Says how another one differs.
-    pub(super) fn difference(&self, other: &Self) -> String {
+    pub(crate) fn difference(&self, other: &Self) -> String {
         if !self.is_run() || !other.is_run() {
             return format!("was made by `{}`", other.command());
         }
@@ -379,6 +379,8 @@ pub(crate) enum Status {
     Begun,
     /// The beginning, up to an interruption after this many steps.
     Interrupted(u64),
+    /// That of so many members of an ensemble.
+    Members(u64),
     /// All of it.
     Complete,
 }
@@ -473,6 +475,10 @@ impl RunJson {
         let words = match status {
             Status::Begun => "begun".to_owned(),
             Status::Interrupted(after) => format!("interrupted after {after} of {steps} steps"),
+            Status::Members(done) => {
+                let all = self.origin.0.get("ensemble").and_then(|of| of["members"].as_u64()).unwrap_or(0);
+                format!("interrupted after {done} of {all} members")
+            }
             Status::Complete => COMPLETE.to_owned(),
         };
         self.files.insert(name(path), words);

@@ -40,19 +40,8 @@ impl TrajectoryWriter {
         columns: Vec<String>,
         origin: &FileOrigin,
     ) -> Result<Self, Error> {
-        let file = NewFile::begin(path)?;
-        let rows = || -> io::Result<Box<dyn Rows>> {
-            Ok(match format {
-                Format::Csv => Box::new(Csv::new(file, columns)?),
-                Format::Json => Box::new(Json::new(file, &columns, origin)?),
-                #[cfg(feature = "parquet")]
-                Format::Parquet => Box::new(Parquet::new(file, &columns, origin)?),
-                #[cfg(not(feature = "parquet"))]
-                // [checked](Format::checked) before
-                Format::Parquet => return Err(io::ErrorKind::Unsupported.into()),
-            })
-        };
-        let rows = rows().map_err(|source| failure(path, source))?;
+        let rows = rows_file(NewFile::begin(path)?, format, columns, origin);
+        let rows = rows.map_err(|source| failure(path, source))?;
         Ok(Self { path: path.to_owned(), rows })
     }
 
@@ -86,28 +75,57 @@ impl TrajectoryWriter {
     }
 }
 
+/// Begins a table with these columns in a file; a column `member` is of integers where the format has them.
+pub(super) fn rows_file(
+    file: NewFile,
+    format: Format,
+    columns: Vec<String>,
+    origin: &FileOrigin,
+) -> io::Result<Box<dyn Rows>> {
+    Ok(match format {
+        Format::Csv => Box::new(Csv::new(file, columns)?),
+        Format::Json => Box::new(Json::new(file, &columns, origin)?),
+        #[cfg(feature = "parquet")]
+        Format::Parquet => Box::new(Parquet::new(file, &columns, origin)?),
+        #[cfg(not(feature = "parquet"))]
+        // [checked](Format::checked) before
+        Format::Parquet => return Err(io::ErrorKind::Unsupported.into()),
+    })
+}
+
 /// That nobody reads the standard output is no error.
 fn failure(path: &Path, source: io::Error) -> Error {
     if super::is_stdout(path) { Error::Console(source) } else { FileError::write(path)(source).into() }
 }
 
 /// A header and numbers.
-struct Csv(NewFile);
+struct Csv {
+    file: NewFile,
+    /// Whether the first column is of members' numbers.
+    has_members: bool,
+}
 
 impl Csv {
     fn new(mut file: NewFile, columns: Vec<String>) -> io::Result<Self> {
+        let has_members = columns.first().is_some_and(|name| name == "member");
         file.write_all(&table(&[columns]))?;
-        Ok(Self(file))
+        Ok(Self { file, has_members })
     }
 }
 
 impl Rows for Csv {
     fn row(&mut self, row: &[f64]) -> io::Result<()> {
-        write_row(&mut self.0, row)
+        match row {
+            [member, rest @ ..] if self.has_members => {
+                write!(self.file, "{member},")?;
+                write_row(&mut self.file, rest)
+            }
+            _ => write_row(&mut self.file, row),
+        }
     }
 
     fn finish(self: Box<Self>, _: &Map<String, Value>) -> io::Result<NewFile> {
-        Ok(self.0)
+        Ok(self.file)
     }
 }
 

@@ -13,7 +13,7 @@ use crate::page::Page;
 use crate::picture::{Figure, Kind};
 
 /// The ending of files that are being written.
-const TEMPORARY: &str = ".coadjoint-tmp";
+pub(super) const TEMPORARY: &str = ".coadjoint-tmp";
 
 /// Those that were begun: a program that is made to end at once removes them, since it drops nothing.
 static BEGUN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());

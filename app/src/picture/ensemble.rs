@@ -39,8 +39,8 @@ pub(crate) fn figure(
         entry.name,
         spread.iter().map(|spread| spread.replacen('=', " ± ", 1)).collect::<Vec<_>>().join(", ")
     );
-    if !summary.failed.is_empty() {
-        title += &format!("; {} failed on the way", grouped(summary.failed.len() as u64));
+    if summary.failures > 0 {
+        title += &format!("; {} failed on the way", grouped(summary.failures));
     }
     Figure::over_time(title, TIME, span, Key::Above, panels).in_columns()
 }

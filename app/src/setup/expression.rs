@@ -134,6 +134,14 @@ pub(crate) fn observable(entry: &Entry, text: &str) -> Result<Observable, SetupE
     };
     number(&*system, &example.state, 0.0, &control).map_err(wrong)?;
     let unit = own_unit.unwrap_or_else(|| unit_of(entry, &expression).unwrap_or_default());
+    // a component of the state alone is read, in no time
+    let components_of = |quantities| components(quantities).filter(|own| own.name == body.trim());
+    let others = [entry.description.parameters, entry.description.controls];
+    let is_state = others.iter().all(|others| components_of(others).next().is_none());
+    if let Some(own) = components_of(entry.description.state).next().filter(|_| is_state) {
+        let slot = own.slot;
+        return Ok(Observable::new(name, unit, move |_, state, _, _| state[slot]));
+    }
     let of = move |system: &dyn System, state: &[f64], time: f64, control: &[f64]| {
         number(system, state, time, control).unwrap_or(f64::NAN)
     };

@@ -188,10 +188,13 @@ pub(crate) struct Ranges<'v> {
 }
 
 impl Ranges<'_> {
-    /// The setup of a member.
-    pub(crate) fn member(&mut self, seed: u64, member: usize) -> Setup {
+    /// The setup of a member; adds what was drawn to a list, a number for each range.
+    pub(crate) fn member(&mut self, seed: u64, member: usize, list: &mut Vec<f64>) -> Setup {
         let (drawn, angles) = self.variation.drawn(self.entry, self.setup, seed, member);
-        let widen = |range: &mut (f64, f64), value: f64| *range = (range.0.min(value), range.1.max(value));
+        let mut widen = |range: &mut (f64, f64), value: f64| {
+            *range = (range.0.min(value), range.1.max(value));
+            list.push(value);
+        };
         for (of_state, slot, SampledRange { range, .. }) in &mut self.slots {
             widen(range, if *of_state { drawn.state[*slot] } else { drawn.parameters[*slot] });
         }

@@ -349,7 +349,7 @@ fn members(system: &str, spreads: &[&str], count: usize) -> (Vec<Setup>, Vec<Sam
     let entry = catalogue().find(system).expect("it is there");
     let (variation, setup) = variation(system, spreads).expect("valid");
     let mut ranges = variation.ranges(entry, &setup);
-    let members = (0..count).map(|member| ranges.member(7, member)).collect();
+    let members = (0..count).map(|member| ranges.member(7, member, &mut Vec::new())).collect();
     (members, ranges.finish())
 }
 

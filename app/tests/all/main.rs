@@ -19,4 +19,5 @@ mod program;
 mod quantities;
 #[cfg(unix)]
 mod reliability;
+mod shards;
 mod terminal;

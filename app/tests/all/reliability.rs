@@ -423,7 +423,7 @@ fn a_full_disk_leaves_nothing_half_written() {
 
 /// Runs a command in its directory, on a disk of this size: a file system in memory, which this process alone sees, so that what is in the directory
 /// goes there and comes back. Where processes may not mount, only files are limited.
-fn on_a_disk(command: &Command, size: usize) -> Command {
+pub(crate) fn on_a_disk(command: &Command, size: usize) -> Command {
     let may_mount =
         Command::new("unshare").args(["-rm", "true"]).status().is_ok_and(|status| status.success());
     if !may_mount {

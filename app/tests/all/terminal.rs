@@ -173,8 +173,13 @@ fn what_cannot_be_is_refused() {
         (&["run", "heavy_top", "--scan", "wieght=1,2"], "did you mean `weight`?"),
         (&["run", "heavy_top", "--long"], "unexpected argument '--long'"),
         (&["list", "heavytop2"], "did you mean `heavy_top`?"),
-        (&["ensemble", "heavy_top", "--members", "9223372036854775807"], "there is no memory for"),
-        (&["ensemble", "heavy_top", "--members", "100000000000000"], "there is no memory for"),
+        (&["ensemble", "heavy_top", "--members", "9223372036854775807"], "is not in 1..=1000000000000"),
+        (&["ensemble", "heavy_top", "--members", "1e14"], "is not in 1..=1000000000000"),
+        (&["ensemble", "heavy_top", "--shard", "3/2"], "a part is written as `2/7`"),
+        (
+            &["ensemble", "heavy_top", "--rows", "end", "--out", "-", "--checkpoint", "c"],
+            "rows are a directory of files",
+        ),
     ] {
         let message = scratch.fails(2, arguments);
         assert!(message.contains(expected), "{arguments:?}: {message}");

@@ -39,9 +39,12 @@
 //! Threads are [rayon](https://docs.rs/rayon)'s: `RAYON_NUM_THREADS` in the environment, or a pool of one's own around the call, says how many.
 //! That is the feature `parallel`. Without it there is one thread: the same steps, to the last digit, on one core.
 
+mod exact;
 mod initial;
 pub(crate) mod members;
+mod sketch;
 mod spread;
+mod statistics;
 
 use core::convert::Infallible;
 use core::fmt;
@@ -62,6 +65,7 @@ pub use initial::{normal, uniform};
 pub use members::Instructions;
 use members::{Builder, Choose, Law, Member, Members};
 pub use spread::Spread;
+pub use statistics::Statistics;
 
 /// Many states that move at the same time, with the scheme `M`.
 pub struct Ensemble<S: Discretized<M>, M> {

@@ -73,6 +73,16 @@ impl Ensemble {
         self.members.clock.after(0)
     }
 
+    /// How many members there are.
+    pub fn len(&self) -> usize {
+        self.systems.len()
+    }
+
+    /// Whether there is no member.
+    pub fn is_empty(&self) -> bool {
+        self.systems.is_empty()
+    }
+
     /// How many members are stepped side by side: that depends on the processor.
     pub fn width(&self) -> usize {
         self.members.width

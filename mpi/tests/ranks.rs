@@ -1,0 +1,282 @@
+//! Ensembles on several ranks have the bytes of one process; ranks that are killed, or cannot write, end the job, and
+//! it goes on later.
+//!
+//! `COADJOINT_CAMPAIGN=1 cargo test --release --no-default-features --features parquet` kills fifty times;
+//! `COADJOINT_SEED` at other moments.
+#![cfg(target_os = "linux")]
+#![allow(clippy::expect_used, clippy::panic, reason = "all of it is tests")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+/// Members in 30 blocks; about a second of one processor.
+const SOME: [&str; 16] = [
+    "ensemble",
+    "heavy_top",
+    "--members",
+    "3e3",
+    "--duration",
+    "300",
+    "--every",
+    "7500",
+    "--spread",
+    "momentum=5%",
+    "--block",
+    "100",
+    "--rows",
+    "end",
+    "--save-every",
+    "0",
+];
+
+type Files = Vec<(String, Vec<u8>)>;
+
+struct Scratch(PathBuf);
+
+impl Scratch {
+    fn new(test: &str) -> Self {
+        static COUNT: AtomicUsize = AtomicUsize::new(0);
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let name = format!("{test}-{}-{count}", std::process::id());
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+        let _ = fs::remove_dir_all(&path);
+        fs::create_dir_all(&path).expect("writable");
+        Self(path)
+    }
+
+    fn start(&self, ranks: usize, arguments: &[&str]) -> Child {
+        self.mpirun(&[&["-n", &ranks.to_string(), program().to_str().expect("UTF-8")], arguments].concat())
+    }
+
+    fn mpirun(&self, arguments: &[&str]) -> Child {
+        let mut command = Command::new("mpirun");
+        command.args(["--oversubscribe"]).args(arguments).current_dir(&self.0).stdin(Stdio::null());
+        as_root(&mut command).env("RAYON_NUM_THREADS", "1").stdout(Stdio::piped()).stderr(Stdio::piped());
+        command.spawn().expect("mpirun starts")
+    }
+
+    fn run(&self, ranks: usize, arguments: &[&str]) -> Output {
+        self.start(ranks, arguments).wait_with_output().expect("it ends")
+    }
+
+    fn prints(&self, ranks: usize, arguments: &[&str]) -> String {
+        let output = self.run(ranks, arguments);
+        assert!(output.status.success(), "{ranks} ranks: {}", text(&output.stderr));
+        text(&output.stdout)
+    }
+
+    /// All that is in the directory of results and below.
+    fn results(&self) -> Files {
+        let (root, mut found) = (self.0.join("out"), Vec::new());
+        let mut directories = vec![root.clone()];
+        while let Some(directory) = directories.pop() {
+            for entry in fs::read_dir(&directory).into_iter().flatten() {
+                let path = entry.expect("readable").path();
+                if path.is_dir() {
+                    directories.push(path);
+                } else {
+                    let name = path.strip_prefix(&root).expect("in it").to_string_lossy().into_owned();
+                    found.push((name, fs::read(&path).expect("readable")));
+                }
+            }
+        }
+        found.sort();
+        found
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Containers are run by root.
+fn as_root(command: &mut Command) -> &mut Command {
+    command.env("OMPI_ALLOW_RUN_AS_ROOT", "1").env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// `cargo test` builds the examples beside its tests.
+fn program() -> PathBuf {
+    let test = std::env::current_exe().expect("it is running");
+    let profile = test.parent().and_then(Path::parent).expect("in deps of a profile");
+    profile.join("examples/two_bodies")
+}
+
+/// What one process writes that knows nothing of others.
+fn alone(arguments: &[&str]) -> Files {
+    let scratch = Scratch::new("alone");
+    let status = as_root(&mut Command::new(program()))
+        .args(arguments)
+        .current_dir(&scratch.0)
+        .stderr(Stdio::null())
+        .stdout(Stdio::null())
+        .status();
+    assert!(status.expect("it starts").success());
+    let found = scratch.results();
+    assert!(found.len() > 4, "table, picture, rows");
+    found
+}
+
+fn same(found: &Files, expected: &Files, of: &str) {
+    let names = |files: &Files| files.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
+    assert_eq!(names(found), names(expected), "{of}");
+    for ((name, found), (_, expected)) in found.iter().zip(expected) {
+        assert!(found == expected, "{of}: {name} differs");
+    }
+}
+
+/// The processes of a job.
+fn ranks_of(job: &Child) -> Vec<u32> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir("/proc").expect("Linux").flatten() {
+        let Ok(process) = entry.file_name().to_string_lossy().parse::<u32>() else { continue };
+        let stat = fs::read_to_string(entry.path().join("stat")).unwrap_or_default();
+        let above = stat.rsplit_once(')').and_then(|(_, rest)| rest.split_whitespace().nth(1)?.parse().ok());
+        if above == Some(job.id()) {
+            found.push(process);
+        }
+    }
+    found.sort_unstable();
+    found
+}
+
+/// SplitMix64.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, bound: u64) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut bits = self.0;
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (bits ^ (bits >> 31)) % bound
+    }
+}
+
+#[test]
+fn any_number_of_ranks_has_the_bytes_of_one_process() {
+    let expected = alone(&SOME);
+    for ranks in 1..=4 {
+        let scratch = Scratch::new("ranks");
+        let printed = scratch.prints(ranks, &SOME);
+        same(&scratch.results(), &expected, &format!("{ranks} ranks"));
+        assert!(printed.contains("3,000 members, 90,000,000 steps"), "{printed}");
+        assert_eq!(printed.matches("wrote out/heavy_top-ensemble-").count(), 4, "once: {printed}");
+    }
+}
+
+#[test]
+fn a_rank_that_is_killed_ends_the_job_and_it_goes_on() {
+    let expected = alone(&SOME);
+    let times = if std::env::var_os("COADJOINT_CAMPAIGN").is_some() { 50 } else { 3 };
+    let mut random =
+        Random(std::env::var("COADJOINT_SEED").ok().and_then(|seed| seed.parse().ok()).unwrap_or(1));
+    let (mut kills, mut slowest, mut gone_on) = (0, Duration::ZERO, 0);
+    while kills < times {
+        let (scratch, ranks) = (Scratch::new("killed"), 2 + random.below(3) as usize);
+        let mut job = scratch.start(ranks, &SOME);
+        while ranks_of(&job).len() < ranks && job.try_wait().expect("waits").is_none() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        std::thread::sleep(Duration::from_millis(random.below(2_500)));
+        let processes = ranks_of(&job);
+        let Some(process) = processes.get(random.below(ranks as u64) as usize) else {
+            // it had ended
+            assert!(job.wait().expect("waits").success());
+            continue;
+        };
+        let killed = Command::new("kill").args(["-KILL", &process.to_string()]).status();
+        let start = Instant::now();
+        let output = job.wait_with_output().expect("it ends");
+        slowest = slowest.max(start.elapsed());
+        assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
+        if output.status.success() {
+            // a rank that had done its work
+            assert!(killed.is_ok());
+            same(&scratch.results(), &expected, "killed at its end");
+            continue;
+        }
+        kills += 1;
+        let found = scratch.results();
+        for (name, content) in
+            found.iter().filter(|(name, _)| !name.contains(".blocks/") && !name.ends_with(".run.json"))
+        {
+            let whole = expected.iter().find(|(expected, _)| expected == name);
+            let is_temporary = name.ends_with(".coadjoint-tmp");
+            assert!(
+                is_temporary || whole.is_some_and(|(_, whole)| whole == content),
+                "{name} is half-written"
+            );
+        }
+        gone_on += usize::from(found.iter().any(|(name, _)| name.ends_with(".shard")));
+        scratch.prints(1 + random.below(4) as usize, &SOME);
+        let mut found = scratch.results();
+        // of a file that was about to be put in its place
+        found.retain(|(name, _)| !name.ends_with(".coadjoint-tmp"));
+        same(&found, &expected, "gone on with");
+    }
+    println!(
+        "{kills} ranks killed, the job ended at most {slowest:?} later; {gone_on} times there were shards to go on with"
+    );
+    assert!(gone_on > 0);
+}
+
+/// One rank cannot write more than a little to a file.
+#[test]
+fn a_disk_that_is_full_for_one_rank_ends_the_job_and_it_goes_on() {
+    let expected = alone(&SOME);
+    let program = program();
+    let program = program.to_str().expect("UTF-8");
+    for (limited, kilobytes) in [(0, 2), (1, 1), (1, 4)] {
+        let scratch = Scratch::new("full");
+        let script = format!("trap '' XFSZ; ulimit -f {}; exec \"$0\" \"$@\"", 2 * kilobytes);
+        let full = [&["-n", "1", "sh", "-c", &script, program], &SOME[..]].concat();
+        let other = [&["-n", "1", program], &SOME[..]].concat();
+        let both = if limited == 0 { [&full[..], &[":"], &other] } else { [&other[..], &[":"], &full] };
+        let output = scratch.mpirun(&both.concat()).wait_with_output().expect("it ends");
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(4), "{message}");
+        assert!(message.contains(&format!("error (rank {} of 2): cannot write", limited + 1)), "{message}");
+        let is_result =
+            |name: &str| name.ends_with(".csv") || name.ends_with(".svg") || name.ends_with(".png");
+        assert!(scratch.results().iter().all(|(name, _)| !is_result(name)));
+        scratch.prints(3, &SOME);
+        same(&scratch.results(), &expected, "with room");
+    }
+}
+
+#[test]
+fn what_is_wrong_is_said_once_and_is_the_exit_code() {
+    let scratch = Scratch::new("wrong");
+    for (arguments, code, expected) in [
+        (&["ensemble", "heavy_tip"][..], 2, "did you mean `heavy_top`?"),
+        (&["ensemble", "heavy_top", "--members", "none"], 2, "invalid value 'none'"),
+        (&["ensemble", "heavy_top", "--spread", "inertia=300%"], 2, "not positive definite"),
+        (&["ensemble", "heavy_top", "--shard", "1/2"], 2, "`--shard` is for jobs without MPI"),
+    ] {
+        let output = scratch.run(3, arguments);
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
+        assert!(message.contains(expected), "{arguments:?}: {message}");
+        assert!(message.matches("error").count() <= 3, "{arguments:?}: {message}");
+    }
+    for arguments in [&["list"][..], &["--help"], &["--version"]] {
+        let output = scratch.run(3, arguments);
+        assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
+        assert_eq!(
+            text(&output.stdout)
+                .matches(if arguments[0] == "list" { "free_body" } else { "two_bodies" })
+                .count()
+                .min(2),
+            1
+        );
+    }
+}
