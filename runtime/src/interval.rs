@@ -197,7 +197,7 @@ fn converging(coefficients: &mut [f64]) -> Option<f64> {
     if count < 3 || coefficients.iter().any(|x| !x.is_finite()) {
         return None;
     }
-    let rest = Scalar::exp(-2.0 * count as f64).max(f64::EPSILON).min(1e-6);
+    let rest = Scalar::exp(-2.0 * count as f64).clamp(f64::EPSILON, 1e-6);
     let mut whole = 1.0;
     // each time the terms are closer to those of the share that is sought
     for _ in 0..MOST_CUTS {

@@ -511,8 +511,20 @@ mod tests {
             state.position.x
         }
         fn series(&mut self, _: usize, from: f64, coefficients: &mut Coefficients) -> Option<(usize, f64)> {
-            assert_eq!(from, 0.0);
-            coefficients.iter_mut().zip(self.coefficients).for_each(|(to, from)| *to = *from);
+            // Horner's rule over and over leads to the coefficients there
+            let mut moved = self.coefficients.to_vec();
+            for done in 0..moved.len() {
+                let mut sum = 0.0;
+                for x in moved.iter_mut().skip(done).rev() {
+                    sum = sum * from + *x;
+                    *x = sum;
+                }
+            }
+            let mut power = 1.0;
+            for (to, x) in coefficients.iter_mut().zip(moved) {
+                *to = x * power;
+                power *= 1.0 - from;
+            }
             Some((self.coefficients.len(), 1.0))
         }
     }
