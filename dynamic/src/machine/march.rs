@@ -616,7 +616,7 @@ impl<'a> March<'a, '_, '_> {
         let next: Vec<BlockArg> = [one_more, now].iter().chain(&unknown).map(|x| (*x).into()).collect();
         self.e.builder.ins().brif(are_enough, halt, &[], again, &next);
         self.e.builder.switch_to_block(halt);
-        self.halt(stage, carried, exit, |march| march.hand_on(stage, &unknown));
+        self.halt(stage, carried, exit, |_| ());
         self.e.builder.switch_to_block(on);
         self.stages[stage].given.unknown = unknown;
         more

@@ -253,7 +253,7 @@ pub struct Ahead<U> {
 }
 
 /// Takes a step as nearly all are: one iteration, from where the solutions before it point, changes the unknown by little, and everything is
-/// finite; of Newton's method a few iterations. The `guess` is the next step's then. Else nothing has changed, and if there was an iteration,
+/// finite; of Newton's method a few iterations. The `guess` is the next step's then. Else nothing has changed, and if there was one iteration,
 /// this is where it led to.
 ///
 /// Numbers that the next step waits for are computed one by one: the compiler would put them together, and take them apart again.
@@ -291,7 +291,8 @@ fn fast_path<P: Processor, T: Batch, K: Kernel<T>>(
                 break;
             }
             if more == FEW {
-                return (*state, Err(Some(unknown)));
+                // one step or many: from where it began, for both
+                return (*state, Err(None));
             }
             (point, last, more) = (unknown, now, more + 1);
             evaluation = kernel.evaluate(state, &step, &point);

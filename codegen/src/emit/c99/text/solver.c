@@ -691,7 +691,7 @@ U_HOT int K_fast(const K_constants *k, K_memory *m, K_path *path, const S_state 
         if (now <= m->tolerance && now * now <= (U_LEFT * U_EPSILON) * last)
             break;
         if (more == U_FEW)
-            return 1;
+            return 2;
         K_copy(point, unknown);
         last = now;
         more++;
