@@ -238,7 +238,7 @@ fn passes_of_a_driven_pendulum_are_the_same_with_every_method() {
     let (system, start) = pendulum();
     let end = 40.0;
     let mut reference = Vec::new();
-    let (mut state, mut stepper) = (start.clone(), system.stepper::<Order8<Exponential>>(0.02).unwrap());
+    let (mut state, mut stepper) = (start, system.stepper::<Order8<Exponential>>(0.02).unwrap());
     Run::new(&mut stepper, &mut state)
         .event(Event::any(), |state, _| state.angle.angle(), |event| reference.push(event.time()))
         .to(end)
@@ -250,7 +250,7 @@ fn passes_of_a_driven_pendulum_are_the_same_with_every_method() {
         assert!(off < 1e-12, "{what}: {off:e}");
     };
     let (mut passes, mut rises) = (Vec::new(), 0);
-    let (mut state, mut trajectory) = (start.clone(), system.adaptive(1e-14).unwrap());
+    let (mut state, mut trajectory) = (start, system.adaptive(1e-14).unwrap());
     Run::new(&mut trajectory, &mut state)
         .on("down", |event| passes.push(event.time()))
         .on("rise", |_| rises += 1)
@@ -258,8 +258,7 @@ fn passes_of_a_driven_pendulum_are_the_same_with_every_method() {
         .unwrap();
     compare("Taylor", &passes, rises);
     let (mut passes, mut rises) = (Vec::new(), 0);
-    let (mut state, mut stepper) =
-        (start.clone(), system.stepper::<HamiltonJacobi<Exponential, 6>>(0.01).unwrap());
+    let (mut state, mut stepper) = (start, system.stepper::<HamiltonJacobi<Exponential, 6>>(0.01).unwrap());
     Run::new(&mut stepper, &mut state)
         .on("down", |event| {
             passes.push(event.time());
@@ -292,7 +291,7 @@ fn events_of_a_top_are_those_of_closures() {
         gamma: vector![0.0, 0.6, 0.8],
     };
     let (mut named, mut by_closure) = ([Vec::new(), Vec::new()], [Vec::new(), Vec::new()]);
-    let (mut state, mut trajectory) = (start.clone(), top.adaptive(1e-13).unwrap());
+    let (mut state, mut trajectory) = (start, top.adaptive(1e-13).unwrap());
     let [level, swing] = &mut named;
     Run::new(&mut trajectory, &mut state)
         .on("level", |event| level.push(event.time()))
@@ -300,10 +299,10 @@ fn events_of_a_top_are_those_of_closures() {
         .to(60.0)
         .unwrap();
     // steps are as they would be
-    let (mut other, mut again) = (start.clone(), top.adaptive(1e-13).unwrap());
+    let (mut other, mut again) = (start, top.adaptive(1e-13).unwrap());
     let report = again.to(&mut other, 60.0).unwrap();
     assert_eq!((state, trajectory.steps_taken()), (other, report.steps));
-    let (mut state, mut stepper) = (start.clone(), top.stepper::<Order8<Exponential>>(0.02).unwrap());
+    let (mut state, mut stepper) = (start, top.stepper::<Order8<Exponential>>(0.02).unwrap());
     let [level, swing] = &mut by_closure;
     Run::new(&mut stepper, &mut state)
         .event(Event::any(), |state, _| state.gamma.z, |event| level.push(event.time()))
@@ -363,7 +362,7 @@ fn an_event_sees_controls_and_names_are_checked() {
     // with the control of the step that begins at 0.75 it has jumped to the other side
     assert_eq!(found, [(0.75, 0.6)]);
     let mut state = even().1;
-    let before = state.clone();
+    let before = state;
     let error = Run::new(&mut trajectory, &mut state).on("bias", |_| {}).to(2.0).unwrap_err();
     let StepError::NoEvent { known } = error.cause else { panic!("{error}") };
     assert_eq!((known.len(), known[5], state), (7, ("biased", Event::rising()), before));

@@ -75,7 +75,7 @@ fn the_error_follows_the_tolerance() {
     let exact = PendulumState { angle: exact.angle, momentum: exact.momentum };
     let mut all = Vec::new();
     for tolerance in [1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14] {
-        let (mut state, mut trajectory) = (start.clone(), system.adaptive(tolerance).unwrap());
+        let (mut state, mut trajectory) = (start, system.adaptive(tolerance).unwrap());
         let (mut asked, mut found) = (0, Vec::new());
         let report = Run::new(&mut trajectory, &mut state)
             .driven_by(|time| {
@@ -93,14 +93,14 @@ fn the_error_follows_the_tolerance() {
         all.push(report.steps);
 
         // backward it comes back
-        let mut back = state.clone();
+        let mut back = state;
         Run::new(&mut trajectory, &mut back).driven_by(input).to(0.0).unwrap();
         assert!(distance(&back, &start) < 1e3 * tolerance, "{tolerance:e}: {:e}", distance(&back, &start));
     }
     assert!(all[5] < 3 * all[0], "{all:?}");
 
     // where types are erased, to the last bit
-    let mut typed = start.clone();
+    let mut typed = start;
     Run::new(&mut system.adaptive(1e-10).unwrap(), &mut typed).driven_by(input).to(7.0).unwrap();
     let mut state = start.to_components().to_vec();
     let mut trajectory = erased::Adaptive::new(Arc::new(system), 1e-10).unwrap();
