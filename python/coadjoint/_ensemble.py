@@ -10,7 +10,7 @@ import numpy as np
 
 from ._native import Statistics
 from ._solution import span_of, step_of
-from ._state import Array, State
+from ._state import Array, State, aligned
 from ._system import BoundSystem, scheme_name
 
 
@@ -61,7 +61,7 @@ class EnsembleSolution:
         energies = np.empty(self.y.flat.shape[:2])
         for member, row in enumerate(self.parameters.flat):
             own = BoundSystem(self.system.system, row.copy())
-            energies[:, member] = own.energy(np.ascontiguousarray(self.y.flat[:, member]), self.t)
+            energies[:, member] = own.energy(np.ascontiguousarray(self.y.flat[:, member]), aligned(self.t))
         return energies
 
     def __len__(self) -> int:
@@ -236,23 +236,20 @@ def statistics(
         raise ValueError("`quantities` is empty: there is nothing to know of the members")
     if int(block) != block or block < 1:
         raise ValueError(f"`block` must be a number of members, 1 or more, not {block!r}")
-    draw, layout = None, system.system
+    draw = rows = fields = held = None
     if callable(states):
         draw, count = states, _count(n, parameters, seed)
-        rows = fields = None
     else:
         rows, fields = _given(system, states, parameters, n)
         count = len(rows)
     if controls is not None and not callable(controls):
-        controls = np.broadcast_to(
-            layout._controls.rows(controls, count, np.zeros(layout._controls.length)), (count, layout._controls.length)
-        )
+        inputs = system.system._controls
+        held = inputs.rows(controls, count, np.zeros(inputs.length))
     blocks = []
     for first in range(0, count, int(block)):
-        members = range(first, min(first + int(block), count))
-        cut = slice(members.start, members.stop)
-        own = [None if all is None else all[cut] for all in (rows, fields)]
-        blocks.append(_Block(members, *own, controls if controls is None or callable(controls) else controls[cut]))
+        cut = slice(first, min(first + int(block), count))
+        states, parameters, own = (None if all is None else all[cut] for all in (rows, fields, held))
+        blocks.append(_Block(range(count)[cut], states, parameters, controls if own is None else own))
     known: EnsembleStatistics | None = None
     for done, part in enumerate(_mapped(client, _Work(system, draw, int(seed), keys, dict(quantities)), blocks)):
         if known is None:

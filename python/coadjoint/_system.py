@@ -544,15 +544,13 @@ class BoundSystem:
         """
         from ._ensemble import ensemble, statistics
 
-        keys = dict(t_span=t_span, step=step, scheme=scheme, order=order, every=every, device=device)
-        common = dict(n=n, seed=seed, controls=controls, progress=progress)
+        keys: dict[str, Any] = dict(n=n, seed=seed, controls=controls, progress=progress)
+        keys |= dict(t_span=t_span, step=step, scheme=scheme, order=order, every=every, device=device)
         if quantities is not None:
-            return statistics(
-                self, states, parameters, quantities=quantities, block=block, client=client, **common, **keys
-            )
+            return statistics(self, states, parameters, quantities=quantities, block=block, client=client, **keys)
         if client is not None:
             raise ValueError("a client's workers send statistics alone: say of what, by `quantities`")
-        return ensemble(self, states, parameters, **common, **keys)
+        return ensemble(self, states, parameters, **keys)
 
     def certify(
         self,
