@@ -37,7 +37,8 @@ impl Statistics {
     #[pyo3(signature = (data, /))]
     fn from_bytes(data: &[u8]) -> PyResult<Self> {
         let of = Known::from_bytes(data);
-        let of = of.ok_or_else(|| PyValueError::new_err("these are no bytes that `Statistics.to_bytes` wrote"))?;
+        let of =
+            of.ok_or_else(|| PyValueError::new_err("these are no bytes that `Statistics.to_bytes` wrote"))?;
         Ok(Self { of })
     }
 
