@@ -146,7 +146,11 @@ def processes():
 @contextmanager
 def dask(workers):
     distributed = pytest.importorskip("distributed", reason="there is no dask[distributed]: not tested on its workers")
+    from dask import config
+
     with (
+        # rather than for ever, when workers are lost
+        config.set({"distributed.scheduler.no-workers-timeout": "20s"}),
         distributed.LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster,
         distributed.Client(cluster) as client,
     ):
