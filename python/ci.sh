@@ -32,6 +32,8 @@ if ! wait "$installing"; then
     cat "$work/pip.log" >&2
     exit 1
 fi
+"$work/test/bin/python" -m pip install --quiet --disable-pip-version-check "dask[distributed]" >"$work/pip.log" 2>&1 ||
+    echo "no Dask can be installed: ensembles are not tested on its workers"
 
 installed() { # an environment's Python
     "$1" -m pip install --quiet --disable-pip-version-check --no-deps "$wheel"
@@ -39,7 +41,7 @@ installed() { # an environment's Python
 
 tested() {
     # from elsewhere: what is imported is what was installed
-    (cd "$work/tests" && COADJOINT_REPOSITORY="$OLDPWD/.." "$1" -m pytest --quiet -p no:cacheprovider \
+    (cd "$work/tests" && COADJOINT_REPOSITORY="$OLDPWD/.." "$1" -m pytest --quiet -rs -p no:cacheprovider \
         --doctest-modules --ignore=reference.py --pyargs coadjoint .)
 }
 

@@ -19,9 +19,9 @@ True
 """
 
 from . import systems
-from ._ensemble import EnsembleSolution, Failed
+from ._ensemble import EnsembleSolution, EnsembleStatistics, Failed
 from ._errors import DescriptionError, Place, Problem, StepError
-from ._native import Stepper, __version__
+from ._native import Statistics, Stepper, __version__
 from ._solution import Gradient, Solution
 from ._state import Quantity, State
 from ._system import BoundSystem, Certificate, Jacobian, Report, System
@@ -31,6 +31,7 @@ __all__ = [
     "Certificate",
     "DescriptionError",
     "EnsembleSolution",
+    "EnsembleStatistics",
     "Failed",
     "Gradient",
     "Jacobian",
@@ -40,6 +41,7 @@ __all__ = [
     "Report",
     "Solution",
     "State",
+    "Statistics",
     "StepError",
     "Stepper",
     "System",

@@ -4,9 +4,9 @@ from collections.abc import Callable
 from typing import Any, final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Ensemble", "Model", "Stepper", "System", "__version__", "catalogue", "cuda"]
+__all__ = ["Ensemble", "Model", "Statistics", "Stepper", "System", "__version__", "catalogue", "cuda"]
 
 __version__: str
 
@@ -131,3 +131,38 @@ class Ensemble:
     def t(self) -> float: ...
     @property
     def width(self) -> int: ...
+
+@final
+class Statistics:
+    """How a quantity is distributed over members that come in parts."""
+
+    def __new__(cls, values: ArrayLike | None = None, /) -> Statistics: ...
+    @staticmethod
+    def from_bytes(data: bytes, /) -> Statistics:
+        """Reads what `to_bytes` wrote."""
+    def to_bytes(self) -> bytes:
+        """Writes what is known; of the same members always the same bytes."""
+    def merge(self, other: Statistics, /) -> None:
+        """Adds what is known of other members."""
+    @property
+    def members(self) -> int:
+        """How many members there are."""
+    @property
+    def mean(self) -> float:
+        """Their mean: the exact one, rounded once."""
+    @property
+    def deviation(self) -> float:
+        """Their standard deviation from the mean: the root of the exact variance, which is rounded once."""
+    @property
+    def min(self) -> float:
+        """The least value."""
+    @property
+    def max(self) -> float:
+        """The greatest value."""
+    @property
+    def quantiles(self) -> dict[float, float]:
+        """Quantiles by their levels: 0, 0.05, 0.25, 0.5, 0.75, 0.95, 1."""
+    @property
+    def relative_error(self) -> float:
+        """How far a quantile may be off, relative to the size of the values next to it; 0 where they are exact."""
+    def __eq__(self, other: object, /) -> bool: ...

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._state import Array, State, numbers
+from ._state import Array, State, aligned, numbers
 from ._system import BoundSystem, arity, scheme_name
 
 if TYPE_CHECKING:
@@ -392,7 +392,12 @@ class Gradient:
 
 def _solution(parts: dict[str, Any]) -> Solution:
     solution = Solution.__new__(Solution)
-    solution.__dict__.update(parts)
+    for name, part in parts.items():
+        if isinstance(part, np.ndarray):
+            part = aligned(part)
+        elif name == "_known" and part is not None:
+            part = tuple(map(aligned, part))
+        solution.__dict__[name] = part
     driven = "_driven" in solution.__dict__
     if not driven:
         solution._driven = None

@@ -145,7 +145,12 @@ def numbers(given: ArrayLike, what: str) -> Array:
     array = np.asarray(given)
     if array.dtype == object or array.dtype.kind not in "fiub":
         raise TypeError(f"{what}: numbers are needed, not an array of {array.dtype}")
-    return np.ascontiguousarray(array, dtype=np.float64) if array.ndim else np.array(array, dtype=np.float64)
+    return aligned(array.astype(np.float64, copy=False)) if array.ndim else np.array(array, dtype=np.float64)
+
+
+def aligned(array: Array) -> Array:
+    """The array, or a copy that is contiguous and starts where a number may: what was sent to a worker lies anywhere."""
+    return np.require(array, requirements=["C", "A"])
 
 
 def rotation(quantity: Quantity, value: Any) -> Any:
@@ -255,4 +260,4 @@ class State:
 
 
 def _state(what: str, quantities: tuple[Quantity, ...], flat: Array) -> State:
-    return State(Layout(what, list(quantities)), flat)
+    return State(Layout(what, list(quantities)), np.require(flat, requirements=["C", "A", "W"]))

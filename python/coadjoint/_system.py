@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,7 +14,7 @@ from . import _describe, _native
 from ._state import Array, Layout, Quantity, State, numbers
 
 if TYPE_CHECKING:
-    from ._ensemble import EnsembleSolution
+    from ._ensemble import EnsembleSolution, EnsembleStatistics, Quantities
     from ._solution import Solution
 
 #: Words for schemes, and the library's names for them.
@@ -216,8 +217,9 @@ class System:
         return hash((self.text, self._struct))
 
 
+@lru_cache(maxsize=32)
 def _of_text(text: str, struct: str | None) -> System:
-    """A system of a whole text."""
+    """A system of a whole text; on a worker the same one again, which is derived and compiled once."""
     system = System.__new__(System)
     whole = _describe.Text()
     whole.piece("description", text)
@@ -454,6 +456,7 @@ class BoundSystem:
             self, y0, t_span, step, scheme, order, tolerance, controls, events, t_eval, every, dense_output, progress
         )
 
+    @overload
     def ensemble(
         self,
         states: Any,
@@ -464,26 +467,90 @@ class BoundSystem:
         scheme: str | None = None,
         order: int | None = None,
         n: int | None = None,
+        seed: int = 0,
         controls: Any = None,
         every: int | None = None,
         device: str = "cpu",
         progress: Callable[[float], Any] | None = None,
-    ) -> EnsembleSolution:
+    ) -> EnsembleSolution: ...
+    @overload
+    def ensemble(
+        self,
+        states: Any,
+        parameters: Any = None,
+        *,
+        t_span: float | tuple[float, float],
+        step: float,
+        scheme: str | None = None,
+        order: int | None = None,
+        n: int | None = None,
+        seed: int = 0,
+        controls: Any = None,
+        every: int | None = None,
+        device: str = "cpu",
+        progress: Callable[[float], Any] | None = None,
+        quantities: Quantities,
+        block: int = 2048,
+        client: Any = None,
+    ) -> EnsembleStatistics: ...
+    def ensemble(
+        self,
+        states: Any,
+        parameters: Any = None,
+        *,
+        t_span: float | tuple[float, float],
+        step: float,
+        scheme: str | None = None,
+        order: int | None = None,
+        n: int | None = None,
+        seed: int = 0,
+        controls: Any = None,
+        every: int | None = None,
+        device: str = "cpu",
+        progress: Callable[[float], Any] | None = None,
+        quantities: Quantities | None = None,
+        block: int = 2048,
+        client: Any = None,
+    ) -> EnsembleSolution | EnsembleStatistics:
         """Runs many members side by side, on all cores.
 
         states: the states they start from: an array with one row for each, or a dict of arrays. What is the same for all need be given once.
+            Or a function of a member's number and its random numbers, `k, rng`, that returns its state, or state and parameters as a pair.
         parameters: likewise, of those that differ from this system's.
         n: how many there are, if that does not follow from the arrays.
+        seed: where random numbers start. Those of a member are its own, whoever draws it, in whatever order.
         scheme, order: as of a run, but by default the Cayley map.
         controls: an array, or one with a row for each member, that is held; or a function of `t, y` of all members at once, asked before each step.
         every: records the states after every so many steps; by default the last ones alone.
         device: `cpu`, or `cuda` by way of CuPy.
-        """
-        from ._ensemble import ensemble
 
-        return ensemble(
-            self, states, parameters, t_span, step, scheme, order, n, controls, every, device, progress
-        )
+        With `quantities`, members are run in blocks and forgotten: what is returned are statistics.
+
+        quantities: by name, functions of a block's solution, with a number for each time and member: `lambda sol: sol.y.gamma[..., 2]`.
+        block: so many members are run at a time.
+        client: who runs the blocks: what has a method `map`, such as a `Client` of Dask, an `Executor`, or a `Pool` of Ray. By default this process.
+
+        >>> import coadjoint as co
+        >>> top = co.systems.heavy_top.example
+        >>> def member(k, rng):
+        ...     return {"momentum": rng.normal([0, 0, 5], 0.1), "gamma": [0, 0, 1]}
+        >>> known = top.ensemble(member, n=5000, t_span=1, step=0.01, every=50, quantities={"energy": lambda sol: sol.energy})
+        >>> known
+        <statistics of energy: 5000 members to t = 1>
+        >>> [one.members for one in known["energy"]]
+        [5000, 5000, 5000]
+        >>> bool(known["energy"][-1].deviation > 0)
+        True
+        """
+        from ._ensemble import ensemble, statistics
+
+        keys: dict[str, Any] = dict(n=n, seed=seed, controls=controls, progress=progress)
+        keys |= dict(t_span=t_span, step=step, scheme=scheme, order=order, every=every, device=device)
+        if quantities is not None:
+            return statistics(self, states, parameters, quantities=quantities, block=block, client=client, **keys)
+        if client is not None:
+            raise ValueError("a client's workers send statistics alone: say of what, by `quantities`")
+        return ensemble(self, states, parameters, **keys)
 
     def certify(
         self,

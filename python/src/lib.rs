@@ -10,6 +10,7 @@ mod error;
 mod module;
 mod numbers;
 mod run;
+mod statistics;
 mod stepper;
 mod system;
 mod watch;
@@ -28,6 +29,8 @@ mod _native {
     use crate::cuda::cuda;
     #[pymodule_export]
     use crate::ensemble::Ensemble;
+    #[pymodule_export]
+    use crate::statistics::Statistics;
     #[pymodule_export]
     use crate::stepper::Stepper;
     #[pymodule_export]
