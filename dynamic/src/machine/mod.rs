@@ -195,6 +195,7 @@ unsafe impl Sync for Code {}
 
 impl Code {
     fn module(&mut self) -> &mut JITModule {
+        // nothing but `drop` takes it, and nobody calls this from there
         self.0.as_mut().expect("there is one until this is dropped")
     }
 

@@ -145,6 +145,7 @@ impl<T: Called, const U: usize> Kernel<T> for DynamicKernel<T, U> {
     }
 
     fn new(_: &[T; 0], _: T) -> Self {
+        // `OneStep::of` is the only way to such a step, and a frame needs numbers that are not there
         unreachable!("it is made of its frame")
     }
 
