@@ -137,6 +137,7 @@ impl Kernel<'_> {
             begin += length;
             block
         });
+        let unknowns = (0..self.size()).map(|k| Words::default().with("INDEX", k.to_string()));
         let reciprocals: Vec<String> = (1..=8).map(|j| spelling.number(1.0 / f64::from(j))).collect();
         let given = match (self.is_timed, self.has_controls()) {
             (true, true) => "S_is_finite(time) && S_control_is_finite(control)",
@@ -167,6 +168,7 @@ impl Kernel<'_> {
             .holds("true_jacobian", self.step.has_true_jacobian)
             .holds("domain", self.step.module.function(StepRole::Domain).is_some())
             .each("block", blocks.collect())
+            .each("unknown", unknowns.collect())
     }
 
     /// A sum that is finite if the next state and the controls are, of what is not bounded anyway: four sums, for each has to wait for itself.

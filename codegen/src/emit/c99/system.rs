@@ -253,6 +253,10 @@ fn numbers(program: &Program, spelling: &Spelling<'_>, words: &Words) -> String 
         .holds("symmetric", !matrices.is_empty())
         .holds("pivots", !inertias.is_empty())
         .holds("minimum", has_domain)
+        .each(
+            "place",
+            places(&interface.state).into_iter().map(|place| Words::default().with("PLACE", place)).collect(),
+        )
         .each("rotation", rotations.collect())
         .each("matrix", matrices)
         .each("inertia", inertias)

@@ -1,8 +1,14 @@
 U_FN void K_copy(REAL *to, const REAL *from)
 {
+#ifdef __OPTIMIZE_SIZE__
     int i;
     for (i = 0; i < SIZE; i++)
         to[i] = from[i];
+#else
+//each unknown
+    to[INDEX] = from[INDEX];
+//end
+#endif
 }
 
 /* The sum of |of|/|to| over blocks of one unit each. */

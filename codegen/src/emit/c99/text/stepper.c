@@ -137,8 +137,8 @@ U_FN S_status X_step(X_stepper *s, S_state *state TIMED_ARGUMENT CONTROL_ARGUMEN
     status = X_advance(s, state TIMED_CALL CONTROL_CALL, known, &next);
     if (status != U_OK)
         return status;
-    *state = next;
-    s->left = next;
+    S_take(&next, state);
+    S_take(&next, &s->left);
     s->knows_left = 1;
     return U_OK;
 }
@@ -187,7 +187,7 @@ U_FN S_status X_steps(X_stepper *s, S_state *state TIMED_ARGUMENT CONTROL_ARGUME
 //end
                 if (ended)
                     break;
-                now = next;
+                S_take(&next, &now);
                 steps++;
             }
 //if pair
@@ -250,7 +250,7 @@ U_FN S_status X_steps(X_stepper *s, S_state *state TIMED_ARGUMENT CONTROL_ARGUME
         status = X_advance(s, &now TIMED_NOW CONTROL_CALL, known, &next);
         if (status != U_OK)
             break;
-        now = next;
+        S_take(&next, &now);
         known = 1;
         done++;
     }
@@ -331,8 +331,8 @@ U_FN S_status X_step_with_derivative(X_stepper *s, S_state *state TIMED_ARGUMENT
     }
     if (!S_derivative_is_finite(derivative))
         return U_NO_DERIVATIVE;
-    *state = next;
-    s->left = next;
+    S_take(&next, state);
+    S_take(&next, &s->left);
     s->knows_left = 1;
     return U_OK;
 }
