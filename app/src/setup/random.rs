@@ -1,11 +1,11 @@
 //! Random numbers that are the same for the same seed, on every machine.
 
 use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+use rand::rngs::ChaCha8Rng;
 use rand_distr::{Distribution, Open01, StandardNormal};
 
 /// A stream of random numbers: one of those that ChaCha has for a seed.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Random(ChaCha8Rng);
 
 impl Random {
