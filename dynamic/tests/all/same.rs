@@ -73,10 +73,14 @@ fn same(
     step: f64,
 ) {
     let model = Model::from_text(text).unwrap_or_else(|error| panic!("{error}"));
-    let dynamic: Arc<dyn EnsembleSystem> = Arc::new(model.system(&typed.parameters()));
-    assert_eq!(typed.description(), dynamic.description());
-    assert_eq!(typed.parameters(), dynamic.parameters());
-    assert_eq!(typed.validate(), dynamic.validate());
+    // as machine code, with the feature for it, and interpreted
+    let dynamic = [&model, &model.interpreted()]
+        .map(|model| Arc::new(model.system(&typed.parameters())) as Arc<dyn EnsembleSystem>);
+    for dynamic in &dynamic {
+        assert_eq!(typed.description(), dynamic.description());
+        assert_eq!(typed.parameters(), dynamic.parameters());
+        assert_eq!(typed.validate(), dynamic.validate());
+    }
     for scheme in schemes {
         let scheme = scheme.parse().unwrap();
         let run = |system: &Arc<dyn EnsembleSystem>| {
@@ -92,7 +96,9 @@ fn same(
             (bits, shown, memory)
         };
         // numbers are shown with all their digits
-        assert_eq!(run(&typed), run(&dynamic), "{scheme}");
+        for dynamic in &dynamic {
+            assert_eq!(run(&typed), run(dynamic), "{scheme}");
+        }
     }
 }
 

@@ -14,24 +14,25 @@ const STEPS: usize = 200;
 
 entries! { check }
 
-/// The same system, compiled and made of its text.
-struct Both {
+/// The same system, compiled and made of its text: as machine code where the processor is one that it is for, and interpreted.
+struct Same {
     entry: Entry,
     typed: Arc<dyn EnsembleSystem>,
-    dynamic: Arc<dyn EnsembleSystem>,
+    dynamic: [Arc<dyn EnsembleSystem>; 2],
     /// The schemes of one stage, and some that are made of these.
     schemes: Vec<String>,
 }
 
-fn both(name: &str) -> Both {
+fn same(name: &str) -> Same {
     let entry = CATALOGUE.system(name).expect("it is there").clone();
     let typed = entry.system(&entry.example.parameters);
     let model = Model::from_text(entry.source).unwrap_or_else(|error| panic!("{error}"));
     let all = model.definition().steps.iter().flat_map(|step| &step.schemes);
     let mut schemes: Vec<String> = all.map(|(map, rule)| spelt(*map, *rule)).collect();
     schemes.extend(["Cayley", "Exponential", "Order4<Cayley>"].map(str::to_owned));
-    let dynamic = Arc::new(model.system(&typed.parameters()));
-    Both { entry, typed, dynamic, schemes }
+    let dynamic = [&model, &model.interpreted()]
+        .map(|model| Arc::new(model.system(&typed.parameters())) as Arc<dyn EnsembleSystem>);
+    Same { entry, typed, dynamic, schemes }
 }
 
 fn spelt(map: RetractionKind, rule: Rule) -> String {
@@ -44,18 +45,22 @@ fn spelt(map: RetractionKind, rule: Rule) -> String {
 }
 
 fn check(name: &str) {
-    let both = both(name);
-    let Both { typed, dynamic, schemes, .. } = &both;
-    assert_eq!(typed.description(), dynamic.description());
-    assert_eq!(bits(&typed.parameters()), bits(&dynamic.parameters()));
-    assert_eq!(typed.validate(), dynamic.validate());
+    let same = same(name);
+    let Same { typed, dynamic, schemes, .. } = &same;
+    for dynamic in dynamic {
+        assert_eq!(typed.description(), dynamic.description());
+        assert_eq!(bits(&typed.parameters()), bits(&dynamic.parameters()));
+        assert_eq!(typed.validate(), dynamic.validate());
+    }
     let mut taken = 0;
     for scheme in schemes {
-        let [typed, dynamic] = [typed, dynamic].map(|system| both.run(system, scheme));
-        assert_eq!(typed, dynamic, "{name}: {scheme}");
+        let typed = same.run(typed, scheme);
+        for dynamic in dynamic {
+            assert_eq!(typed, same.run(dynamic, scheme), "{name}: {scheme}");
+        }
         taken += usize::from(typed.is_ok());
         if let Ok((state, _)) = typed {
-            both.compare_geometry(&state.iter().map(|bits| f64::from_bits(*bits)).collect::<Vec<_>>());
+            same.compare_geometry(&state.iter().map(|bits| f64::from_bits(*bits)).collect::<Vec<_>>());
         }
     }
     assert!(taken >= 2, "{name}: {taken} schemes");
@@ -65,7 +70,7 @@ fn bits(numbers: &[f64]) -> Vec<u64> {
     numbers.iter().map(|x| x.to_bits()).collect()
 }
 
-impl Both {
+impl Same {
     /// The state after some steps, and how they went; or why there are none.
     fn run(&self, system: &Arc<dyn EnsembleSystem>, scheme: &str) -> Result<(Vec<u64>, String), String> {
         let (entry, system) = (&self.entry, system.clone() as Arc<dyn System>);
@@ -91,7 +96,7 @@ impl Both {
         Ok((bits(&state), reports))
     }
 
-    /// What both say of a state.
+    /// What all say of a state.
     fn compare_geometry(&self, state: &[f64]) {
         let Self { entry, typed, dynamic, .. } = self;
         let tangent = entry.description.state.last().map_or(0, |last| last.tangent().end);
@@ -112,14 +117,16 @@ impl Both {
             all.extend(RetractionKind::ALL.map(|map| system.displace(state, map, &by)));
             (all.iter().map(|one| bits(one)).collect::<Vec<_>>(), velocity.map(|state| bits(&state)))
         };
-        assert_eq!(said(typed), said(dynamic), "{}", entry.name);
+        for dynamic in dynamic {
+            assert_eq!(said(typed), said(dynamic), "{}", entry.name);
+        }
     }
 }
 
 #[test]
 fn members_of_ensembles_move_alike() {
     for name in ["heavy_top", "double_pendulum", "quadrotor", "free_rigid_body"] {
-        let Both { entry, typed, dynamic, .. } = both(name);
+        let Same { entry, typed, dynamic, .. } = same(name);
         let run = |system: &dyn EnsembleSystem| {
             let members = (0..11).map(|k| {
                 let mut state = entry.example.state.clone();
@@ -134,14 +141,16 @@ fn members_of_ensembles_move_alike() {
                 ensemble.members().map(|(member, _, state)| (member, bits(&state))).collect();
             (steps, states, format!("{:?}", ensemble.failed()))
         };
-        assert_eq!(run(&*typed), run(&*dynamic), "{name}");
+        for dynamic in dynamic {
+            assert_eq!(run(&*typed), run(&*dynamic), "{name}");
+        }
     }
 }
 
 #[test]
 fn certificates_are_the_same() {
     for name in ["heavy_top", "double_pendulum", "coupled_bodies"] {
-        let Both { entry, typed, dynamic, .. } = both(name);
+        let Same { entry, typed, dynamic, .. } = same(name);
         for scheme in ["Cayley", "Exponential"] {
             let scheme = scheme.parse().expect("a scheme");
             let certificate = |system: &Arc<dyn EnsembleSystem>| {
@@ -149,7 +158,9 @@ fn certificates_are_the_same() {
                 let report = certify_erased(&**system, &scheme, &states, &[], Some(entry.step));
                 report.expect("certificates").to_string()
             };
-            assert_eq!(certificate(&typed), certificate(&dynamic), "{name}");
+            for dynamic in &dynamic {
+                assert_eq!(certificate(&typed), certificate(dynamic), "{name}");
+            }
         }
     }
 }
