@@ -119,7 +119,7 @@ fn a_binary_asteroid() {
         let expected = [-2_070.117_330_4, 1_410.448_488_2, -5.835_429_97];
         runs.all_close(format!("{units}: between them"), &between, &expected, 1e-6);
         let turned = [-0.241_905_593, -0.006_266_348, -0.017_470_596, -0.970_122_258];
-        let sign = end.at("second")[3].signum() * -1.0;
+        let sign = -end.at("second")[3].signum();
         let second: Vec<f64> = end.at("second").iter().map(|x| x * sign).collect();
         runs.all_close(format!("{units}: the second"), &second, &turned, 2e-9);
     }
@@ -384,6 +384,50 @@ fn the_apogee_of_a_transfer() {
     let half = std::f64::consts::PI * (axis.powi(3) / EARTH).sqrt();
     runs.close("half the period", half, 20_848.215_905_9, 1e-7);
     runs.all_close("apogee", &apogees, &[half], 5e-6);
+    runs.assert();
+}
+
+/// Ten turns about a mass of 1 on an orbit as long as it is, which end where they began.
+#[test]
+fn an_eccentric_orbit_closes() {
+    let mut runs = Runs::default();
+    let turn = std::f64::consts::TAU;
+    for (eccentricity, bound) in [(0.5_f64, 1e-11), (0.9, 3e-9)] {
+        let speed = ((1.0 + eccentricity) / (1.0 - eccentricity)).sqrt();
+        let start = [1.0 - eccentricity, 0.0, 0.0, 0.0, speed, 0.0];
+        let end =
+            Motion::of(TRANSFER, &[1.0, 1.0], &start).alone("Order6<Exponential>", turn / 1e4, 10.0 * turn);
+        runs.all_close(format!("e = {eccentricity}"), end.at("position"), &start[..3], bound);
+    }
+    runs.assert();
+}
+
+/// An attitude of a given angular velocity, which cones: `(cos ½a, sin ½a cos ωt, sin ½a sin ωt, 0)`.
+const CONE: &str = "
+    #[lie_poisson_system(group = SO3, hamiltonian = {
+        let (s, c) = (rate * t).sin_cos();
+        let turning = vector![-s * angle.sin(), c * angle.sin(), -2.0 * (angle / 2.0).sin().powi(2)] * rate;
+        turning.dot(&momentum)
+    })]
+    struct Coning { rate: f64, angle: f64 }";
+
+/// At 10 Hz and 0.02 rad, sampled at 1 kHz for a minute.
+#[test]
+fn an_attitude_that_cones() {
+    let mut runs = Runs::default();
+    let (rate, angle, time) = (20.0 * std::f64::consts::PI, 0.02_f64, 60.0);
+    let half = (angle / 2.0).sin();
+    let exact = |time: f64| {
+        let (sine, cosine) = (rate * time).sin_cos();
+        [(angle / 2.0).cos(), half * cosine, half * sine, 0.0]
+    };
+    let start = [&exact(0.0)[..], &[0.0; 3]].concat();
+    for (scheme, bound) in [("Order4<Exponential>", 5e-9), ("Order8<Exponential>", 1e-13)] {
+        let end = Motion::of(CONE, &[rate, angle], &start).alone(scheme, 1e-3, time);
+        runs.all_close(scheme, end.at("attitude"), &exact(time), bound);
+        let length = end.at("attitude").iter().map(|x| x * x).sum::<f64>();
+        runs.close(format!("{scheme}, length"), length, 1.0, 1e-15);
+    }
     runs.assert();
 }
 
