@@ -32,7 +32,9 @@ impl Example for HeavyTop {
     control(motor: R1),
     potential = -weight * angle.cos_angle(),
     force = motor,
+    event(passes = angle.sin_angle()),
     methods(Midpoint),
+    taylor,
     units(motor = "N m")
 )]
 struct DrivenPendulum {

@@ -32,6 +32,9 @@ use nalgebra::{RealField, convert};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
+/// Beyond its ends the curve goes on along the straight lines there. `thrust.spline(0.0, 2.0, t.clamp(0.0, 2.0))` holds its last values instead,
+/// and `if t < 2.0 { … } else { 0.0 }`, as above, is what ends.
+///
 /// The curve has two continuous derivatives, which is what steps and their derivatives need; schemes of an order above three are of order three or
 /// four across a knot. Its coefficients are computed when the stepper is built. An evaluation chooses them by comparisons, of which there are five
 /// for each value of the table: for tables as long as arrays may be, and no longer ones.

@@ -15,6 +15,8 @@ use crate::error::{Error, SetupError};
 pub(crate) struct DescriptionArguments {
     /// A file that describes the system: a struct below `#[lie_poisson_system(…)]`, as for the compiler
     ///
+    /// It has no example: parameters and what is advected are given by `--set`, or in a file that `init` writes.
+    ///
     /// No compiler is needed: the equations are derived now, and steps take about ten times as long as compiled ones; built with the feature `jit`, one
     /// and a half times.
     #[cfg(feature = "description")]

@@ -76,7 +76,16 @@ fn one(words: &mut dyn Write, entry: &Entry) -> Result<(), Error> {
     writeln!(words, "\nretractions  {}", retractions(entry).join(", "))?;
     let methods = methods(entry).join(", ");
     writeln!(words, "methods      {}", wrapped(&methods, 67).join("\n             "))?;
+    let events: Vec<&str> = entry.description.events.iter().map(|(name, _)| *name).collect();
+    if !events.is_empty() {
+        writeln!(words, "events       {}", wrapped(&events.join(", "), 67).join("\n             "))?;
+    }
     writeln!(words, "step {} s, duration {} s\n", exact(entry.step), exact(entry.duration))?;
+    if !entry.has_example {
+        let given = "it has no example: `--set` gives its parameters and what is advected, or a file of `init`; \
+                     configurations begin at the unit, momenta at zero";
+        writeln!(words, "{}\n", wrapped(given, 80).join("\n"))?;
+    }
     let run = match &entry.file {
         Some(file) => format!("run --description {} --set …", file.display()),
         None => format!("run {}", entry.name),
@@ -99,7 +108,8 @@ fn quantities(
         let list = |values: &[f64]| values.iter().map(|x| exact(*x)).collect::<Vec<_>>().join(",");
         let value = values.map_or(String::new(), |values| format!("={}", list(&values[slots])));
         writeln!(words, "  {}", format!("{}{value}  {}", quantity.name, unit(quantity)).trim_end())?;
-        for line in wrapped(&format!("{} {}", order(quantity), quantity.doc), 74) {
+        let told = [order(quantity).as_str(), quantity.doc].join(" ");
+        for line in wrapped(told.trim(), 74).into_iter().filter(|line| !line.is_empty()) {
             writeln!(words, "      {line}")?;
         }
     }
@@ -167,6 +177,7 @@ fn object(entry: &Entry) -> Value {
         "conserved": self::conserved(entry, entry.casimirs()).into_iter().map(conserved).collect::<Vec<_>>(),
         "retractions": retractions(entry),
         "methods": methods(entry),
+        "events": entry.description.events.iter().map(|(name, _)| *name).collect::<Vec<_>>(),
         "step": entry.step,
         "duration": entry.duration,
     })

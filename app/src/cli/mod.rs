@@ -354,4 +354,24 @@ mod tests {
     fn the_command_line_is_consistent() {
         App::new([]).parser().debug_assert();
     }
+
+    /// A file has a key for each option that says what a run is, and says of the others where they belong.
+    #[test]
+    fn options_are_keys_of_a_file_or_told_to_be_none() {
+        for command in ["run", "ensemble"] {
+            let parser = App::new([]).parser();
+            let options = parser.find_subcommand(command).expect(command).get_arguments();
+            let mut count = 0;
+            for option in options.filter_map(clap::Arg::get_long) {
+                for key in [option.to_owned(), option.replace('-', "_")] {
+                    let told = crate::setup::config::Config::of(&format!("[run]\n{key} = true\n"));
+                    let told = told.map(drop).map_err(|error| error.to_string());
+                    let is_told = |error: &String| !error.contains("unknown field");
+                    assert!(told.as_ref().err().is_none_or(is_told), "{command} --{option}: {told:?}");
+                }
+                count += 1;
+            }
+            assert!(count > 15, "{command}: {count}");
+        }
+    }
 }

@@ -155,14 +155,18 @@ impl ChosenRun {
             config.apply(path, &mut changes)?;
         }
         let run = config.run;
+        let RunConfig { retraction, method, order, tolerance, .. } = run;
+        let described = SchemeArguments { retraction, method, order, tolerance };
         let scheme = SchemeArguments {
-            retraction: self.scheme.retraction.or(run.retraction),
-            method: self.scheme.method()?.or(run.method),
-            order: self.scheme.order.or(run.order),
+            retraction: self.scheme.retraction.or(retraction),
+            method: self.scheme.method()?.or(described.method()?),
+            order: self.scheme.order.or(order),
             tolerance: None,
         };
         let (step, duration) = (self.motion.step.or(run.step), self.motion.duration.or(run.duration));
-        let asked = MotionArguments { step, duration, ..self.motion.clone() };
+        let input = self.motion.input.clone().or_else(|| run.input.clone());
+        let interpolation = self.motion.interpolation.or(run.interpolation);
+        let asked = MotionArguments { step, duration, input, interpolation, ..self.motion.clone() };
         // what a file says of a scheme has its default beside a method of the command line that takes none
         check_scheme(scheme.method, self.scheme.order, self.scheme.retraction)?;
         Ok((Motion::of(changes, &scheme, false, &asked, console)?, run))

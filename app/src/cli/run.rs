@@ -169,7 +169,9 @@ fn described(
         return Err(SetupError::new("`every` must be 1 or more, got 0").into());
     }
     let format = Some(arguments.format.or(config.format).unwrap_or(Format::Csv).checked()?);
-    let RunArguments { plot, watch_every_step: watch, checkpoint_every: pause, .. } = *arguments;
+    let pause = arguments.checkpoint_every;
+    let (plot, watch) =
+        (arguments.plot || config.plot, arguments.watch_every_step || config.watch_every_step);
     let html = arguments.html.clone();
     let plan = planned(&motion, &arguments.chosen, &config);
     let columns = if arguments.columns.is_empty() { config.columns } else { arguments.columns.clone() };
@@ -180,16 +182,17 @@ fn described(
 
 /// Plans a run that looks at every step and writes nothing.
 fn planned(motion: &Motion<'_>, chosen: &ChosenRun, config: &RunConfig) -> Plan {
-    let event = if chosen.event.is_empty() { config.event.clone() } else { chosen.event.clone() };
+    let given =
+        |own: &Vec<String>, described: &Vec<String>| if own.is_empty() { described } else { own }.clone();
     Plan {
         system: motion.entry.name.clone(),
         setup: motion.setup.clone(),
         job: motion.job,
         every: 1,
         columns: Vec::new(),
-        quantity: chosen.quantity.clone(),
+        quantity: given(&chosen.quantity, &config.quantity),
         until: chosen.until.clone().or_else(|| config.until.clone()),
-        moments: Moments { event, ..Moments::default() },
+        moments: Moments { event: given(&chosen.event, &config.event), ..Moments::default() },
         watch: true,
         format: None,
         plot: false,
@@ -197,7 +200,12 @@ fn planned(motion: &Motion<'_>, chosen: &ChosenRun, config: &RunConfig) -> Plan 
         out: chosen.motion.out.clone(),
         pause: PAUSE,
         force: chosen.motion.force,
-        inputs: [&chosen.config, &chosen.motion.input].into_iter().flatten().cloned().collect(),
+        inputs: chosen
+            .config
+            .iter()
+            .chain(motion.setup.input.iter().map(|input| &input.file))
+            .cloned()
+            .collect(),
     }
 }
 

@@ -65,8 +65,19 @@ fn by_state(entry: &Entry) -> Scene {
     let mut scene = Scene::default();
     let configurations: Vec<usize> =
         (0..quantities.len()).filter(|&k| quantities[k].role == Some(Role::Configuration)).collect();
-    let kinds = |turns| configurations.iter().filter(|&&k| (quantities[k].rotation > 0) == turns).count();
-    let alone = kinds(true) <= 1 && kinds(false) <= 1;
+    // the place of the one that turns before it; one coordinate is no place of a body in space: something slides
+    let is_place = |k: usize| match configurations[..] {
+        [first, second] => {
+            let (turning, moving) = (&quantities[first], &quantities[second]);
+            k == second
+                && turning.rotation > 0
+                && turning.components.len() == turning.rotation
+                && moving.rotation == 0
+                && (moving.components.len() > 1 || turning.rotation != 4)
+        }
+        _ => false,
+    };
+    let alone = configurations.len() == 1 || configurations.iter().any(|&k| is_place(k));
     for &k in &configurations {
         let quantity = &quantities[k];
         // which of several vectors is a place is not known, nor is a matrix that turns nothing
@@ -76,13 +87,7 @@ fn by_state(entry: &Entry) -> Scene {
         }
         let mut after = quantities[k + 1..].iter().take_while(|next| next.role != Some(Role::Configuration));
         let momentum = after.find(|next| next.role == Some(Role::Momentum));
-        // one coordinate is no place of a body in space: something slides
-        let position_of_the_body = configurations.len() == 2
-            && quantity.rotation == 0
-            && (quantity.components.len() > 1
-                || !configurations.iter().any(|&k| quantities[k].rotation == 4))
-            && matches!(scene.bodies.as_slice(), [Body { rotation: Some(_), position: None, .. }]);
-        if position_of_the_body {
+        if is_place(k) {
             scene.bodies = scene.bodies.into_iter().map(|body| body.and_moving(&quantity.name)).collect();
         } else if quantity.rotation > 0 {
             let body = Body::turning(&quantity.name).named(if alone { "body" } else { &quantity.name });
@@ -151,8 +156,39 @@ pub(crate) fn axes(entry: &Entry, scene: &Scene) -> Option<[String; 3]> {
 
 #[cfg(test)]
 mod tests {
+    use coadjoint::prelude::*;
+
     use super::*;
+    use crate::catalogue::Example;
     use crate::tests::catalogue;
+
+    /// A bead in a tube of a body.
+    #[lie_poisson_system(group(attitude: SO3, bead: R1))]
+    struct Bead {
+        #[inertia(attitude)]
+        inertia: Vector3<f64>,
+        #[inertia(bead)]
+        mass: f64,
+    }
+
+    impl Example for Bead {
+        const ABOUT: &'static str = "a bead in a tube";
+
+        fn example() -> (Self, BeadState) {
+            (Bead { inertia: vector![1.0, 2.0, 2.5], mass: 1.0 }, BeadState::default())
+        }
+    }
+
+    /// One body is a body; of several each has the name of its factor.
+    #[test]
+    fn bodies_have_names() {
+        let names =
+            |entry: &Entry| by_state(entry).bodies.into_iter().map(|body| body.name).collect::<Vec<_>>();
+        assert_eq!(names(&Bead::entry()), ["attitude", "bead"]);
+        assert_eq!(names(catalogue().system("heavy_top").expect("it is there")), ["body"]);
+        let arrows: Vec<_> = by_state(&Bead::entry()).arrows.into_iter().map(|arrow| arrow.name).collect();
+        assert_eq!(arrows, ["angular momentum of attitude", "momentum of bead"]);
+    }
 
     #[test]
     fn a_scene_that_speaks_of_what_is_not_there_is_refused() {

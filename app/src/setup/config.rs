@@ -4,14 +4,14 @@ use coadjoint::system::Quantity;
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use toml::{Table, Value};
 
 use super::form::RotationForm;
 use super::{Changes, Column, Format, Method, Names, Order, Retraction};
-use crate::catalogue::Entry;
+use crate::catalogue::{Entry, Interpolation};
 use crate::error::{Error, FileError, SetupError};
 
 /// The content of a configuration file; what is missing has its default.
@@ -44,6 +44,8 @@ pub(crate) struct RunConfig {
     pub(crate) method: Option<Method>,
     /// The order.
     pub(crate) order: Option<Order>,
+    /// The tolerance of Taylor steps, in place of a method.
+    pub(crate) tolerance: Option<f64>,
     /// The step, s.
     pub(crate) step: Option<f64>,
     /// How long to run, s.
@@ -54,7 +56,18 @@ pub(crate) struct RunConfig {
     #[serde(default)]
     pub(crate) at: Vec<f64>,
     /// Write the states at 0, so much later, and so on, s.
+    #[serde(alias = "every-seconds")]
     pub(crate) every_seconds: Option<f64>,
+    /// Look at every step, whatever is written.
+    #[serde(default, alias = "watch-every-step")]
+    pub(crate) watch_every_step: bool,
+    /// A table of controls, found from the directory of the file.
+    pub(crate) input: Option<PathBuf>,
+    /// What is between its rows.
+    pub(crate) interpolation: Option<Interpolation>,
+    /// Quantities of one's own, as the command line takes them.
+    #[serde(default)]
+    pub(crate) quantity: Vec<String>,
     /// End at the moment from which on this holds.
     pub(crate) until: Option<String>,
     /// Events, as the command line takes them.
@@ -65,7 +78,30 @@ pub(crate) struct RunConfig {
     pub(crate) columns: Vec<Column>,
     /// The format of the trajectory.
     pub(crate) format: Option<Format>,
+    /// Draw the run too.
+    #[serde(default)]
+    pub(crate) plot: bool,
 }
+
+/// Options of a run that say what to do with it this time: no keys.
+const OPTIONS: [&str; 13] = [
+    "again",
+    "checkpoint",
+    "config",
+    "description",
+    "force",
+    "html",
+    "json",
+    "open",
+    "out",
+    "quiet",
+    "save-every",
+    "scan",
+    "set",
+];
+
+/// Options of an ensemble alone.
+const OPTIONS_OF_ENSEMBLES: [&str; 6] = ["block", "members", "rows", "seed", "shard", "spread"];
 
 impl Config {
     /// Reads a file.
@@ -74,17 +110,32 @@ impl Config {
     /// If it cannot be read, is no TOML, or says what no run has.
     pub(crate) fn read(path: &Path) -> Result<Self, Error> {
         let text = read_text(path).map_err(FileError::read(path))?;
-        let wrong =
-            |error: toml::de::Error| SetupError::new(error.to_string().trim_end()).within(path.display());
-        let config: Self = toml::from_str(&text).map_err(wrong)?;
-        let RunConfig { every, at, every_seconds, .. } = &config.run;
-        if [every.is_some(), !at.is_empty(), every_seconds.is_some()].into_iter().filter(|is| *is).count() > 1
-        {
-            let reason =
-                "[run]: `every`, `at` and `every_seconds` each say what is written; give one of them";
-            return Err(SetupError::new(reason.to_owned()).within(path.display()).into());
-        }
+        let mut config = Self::of(&text).map_err(|error| error.within(path.display()))?;
+        let directory = path.parent().unwrap_or(Path::new(""));
+        config.run.input = config.run.input.map(|input| directory.join(input));
         Ok(config)
+    }
+
+    /// Reads a text.
+    ///
+    /// # Errors
+    /// If it is no TOML, or says what no run has.
+    pub(crate) fn of(text: &str) -> Result<Self, SetupError> {
+        let wrong = |error: toml::de::Error| SetupError::new(error.to_string().trim_end());
+        let config: Self =
+            toml::from_str(text).map_err(|error| option(text).unwrap_or_else(|| wrong(error)))?;
+        let RunConfig { every, at, every_seconds, method, tolerance, input, interpolation, .. } = &config.run;
+        let written = [every.is_some(), !at.is_empty(), every_seconds.is_some()];
+        let reason = if written.into_iter().filter(|is| *is).count() > 1 {
+            "`every`, `at` and `every_seconds` each say what is written; give one of them"
+        } else if method.is_some() && tolerance.is_some() {
+            "`tolerance` stands in place of `method`; give one of them"
+        } else if input.is_none() && interpolation.is_some() {
+            "`interpolation` says what is between the rows of `input`, which is not given"
+        } else {
+            return Ok(config);
+        };
+        Err(SetupError::new(format!("[run]: {reason}")))
     }
 
     /// Sets the parameters and the initial state that the file gives.
@@ -106,6 +157,29 @@ impl Config {
         }
         Ok(())
     }
+}
+
+/// Says of a key that is an option of the command line alone where it belongs.
+fn option(text: &str) -> Option<SetupError> {
+    let file: Table = text.parse().ok()?;
+    let keys = [Some(&file), file.get("run").and_then(Value::as_table)];
+    let is_one_of = |options: &[&str]| {
+        let mut keys = keys.iter().flatten().flat_map(|table| table.keys());
+        keys.find(|key| options.contains(&key.replace('_', "-").as_str()))
+    };
+    let reason = match (is_one_of(&OPTIONS), is_one_of(&OPTIONS_OF_ENSEMBLES)) {
+        (Some(set), _) if set == "set" => {
+            "what `--set` sets stands below [parameters], [state] and [controls]".to_owned()
+        }
+        (Some(key), _) => {
+            format!("`{key}` is no key: it is said each time, by `--{}`", key.replace('_', "-"))
+        }
+        (None, Some(key)) => {
+            format!("`{key}` is no key: a file describes one run; `ensemble` takes `--{key}`")
+        }
+        (None, None) => return None,
+    };
+    Some(SetupError::new(reason))
 }
 
 /// Reads a text of at most a megabyte: what is given for a text by mistake may have no end.
@@ -184,8 +258,13 @@ every = 1                    # write the state after every so many steps
 # at = [0.1, 0.25]           # or at these times, s, or every_seconds = 0.1
 event = []                   # tell when a quantity is zero: \"upright = gamma_z, rising\"
 # until = \"energy < 0.5\"     # end at the moment from which on this holds
+quantity = []                # of your own, in tables, plots and pages: \"tilt, rad = gamma_z.acos()\"
 columns = []                 # and beside it any of \"velocity\", \"euler\", \"rotvec\", \"mrp\", \"angle\"
-format = \"csv\"               # csv, json or parquet",
+format = \"csv\"               # csv, json or parquet
+plot = false                 # draw the run too
+# tolerance = 1e-12          # Taylor steps to this tolerance, in place of a method
+# watch_every_step = true    # look at every step, whatever is written
+# input = \"controls.csv\"     # a table of controls, beside this file; interpolation = \"cubic\", \"linear\" or \"previous\"",
         format!("retraction = \"{}\"", Retraction::Exponential.or_first_of(entry).name()),
         Retraction::of(entry).iter().map(|retraction| retraction.name()).collect::<Vec<_>>().join(" or "),
         format!("step = {step:?}"),
@@ -276,6 +355,35 @@ mod tests {
         let told = example.lines().find(|line| line.starts_with("columns = []")).expect("it is told");
         assert!(names.iter().all(|name| told.contains(&format!("\"{name}\""))), "{told}");
         assert!(columns("[\"speed\"]").expect_err("unknown").contains("unknown variant `speed`"));
+    }
+
+    #[test]
+    fn options_of_the_command_line_are_told_where_they_belong() {
+        let told = |text: &str| Config::of(text).map(drop).expect_err(text).to_string();
+        for (text, reason) in [
+            ("[run]\nscan = \"weight=1,2\"", "`scan` is no key: it is said each time, by `--scan`"),
+            ("out = \"there\"", "`out` is no key: it is said each time, by `--out`"),
+            ("[run]\nsave_every = 3", "`save_every` is no key: it is said each time, by `--save-every`"),
+            (
+                "[run]\nset = \"weight=1\"",
+                "what `--set` sets stands below [parameters], [state] and [controls]",
+            ),
+            (
+                "[run]\nmembers = 10",
+                "`members` is no key: a file describes one run; `ensemble` takes `--members`",
+            ),
+            ("[run]\ntolerance = 1e-9\nmethod = \"rk4\"", "[run]: `tolerance` stands in place of `method`"),
+            (
+                "[run]\ninterpolation = \"linear\"",
+                "[run]: `interpolation` says what is between the rows of `input`",
+            ),
+            ("[run]\nstpe = 1", "unknown field `stpe`"),
+        ] {
+            assert!(told(text).contains(reason), "{text}: {}", told(text));
+        }
+        let config =
+            Config::of("[run]\nevery-seconds = 0.5\nwatch-every-step = true").expect("as options are");
+        assert_eq!((config.run.every_seconds, config.run.watch_every_step), (Some(0.5), true));
     }
 
     #[test]

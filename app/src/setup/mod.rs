@@ -197,9 +197,9 @@ impl Job {
     }
 
     /// Tells whether members of an ensemble are stepped side by side, in the processor's registers: with the standard
-    /// step on the Cayley map, and what is composed of it.
+    /// step, and what is composed of it.
     pub fn is_side_by_side(&self) -> bool {
-        (self.method, self.retraction) == (Method::Standard, Retraction::Cayley)
+        self.method == Method::Standard && Retraction::COMMON.contains(&self.retraction)
     }
 
     /// Tells the order of its step.

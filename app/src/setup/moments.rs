@@ -4,6 +4,7 @@ use coadjoint::{Event, erased};
 use serde::{Deserialize, Serialize};
 
 use super::{Job, observable};
+use crate::catalogue::suggest::closest;
 use crate::catalogue::{Entry, Observable};
 use crate::error::SetupError;
 
@@ -96,6 +97,20 @@ impl Times {
     }
 }
 
+/// The error of a word that is no quantity, with the events of the description, of which it may be one.
+fn or_an_event(entry: &Entry, body: &str, error: SetupError) -> SetupError {
+    let names = || entry.description.events.iter().map(|(name, _)| *name);
+    let (word, known) = (body.trim(), names().collect::<Vec<_>>().join("`, `"));
+    match closest(word, names()) {
+        _ if known.is_empty() || syn::parse_str::<syn::Ident>(word).is_err() => error,
+        Some(meant) => SetupError::new(format!(
+            "`{}` has no event `{word}`; did you mean `{meant}`? (events: `{known}`; or write an expression of its quantities)",
+            entry.name
+        )),
+        None => SetupError::new(format!("{error}; events: `{known}`")),
+    }
+}
+
 /// An event: a quantity, and which of its zeros count.
 #[derive(Clone, Debug)]
 pub(crate) struct WatchedEvent {
@@ -128,7 +143,8 @@ impl WatchedEvent {
             let quantity = Observable::new(name, String::new(), of);
             return Ok(Self { quantity, event: direction.unwrap_or(*event) });
         }
-        Ok(Self { quantity: observable(entry, body)?, event: direction.unwrap_or(Event::any()) })
+        let quantity = observable(entry, body).map_err(|error| or_an_event(entry, body, error))?;
+        Ok(Self { quantity, event: direction.unwrap_or(Event::any()) })
     }
 
     /// Its name.

@@ -177,13 +177,19 @@ fn events_are_told_with_their_moments() {
     // and with a checkpoint
     scratch.prints(&[&run[..], &events[..], &["--checkpoint", "run.ck", "--out", "kept"]].concat());
     assert_eq!(scratch.read(&name.replace("out", "kept")), table);
+    let meant = "`driven_pendulum` has no event `pases`; did you mean `passes`? (events: `passes`;";
     for (event, reason) in [
         ("angle", "a number is asked for"),
         ("up = momntum.x, rising", "did you mean `momentum`"),
-        ("up = momentum.x, upwards", "cannot parse"),
+        ("up = momentum.x, upwards", "unexpected token"),
+        ("pases", meant),
+        ("pases, falling", meant),
+        ("zenith", "there is no quantity `zenith` of `driven_pendulum`"),
+        ("zenith", "and their components); events: `passes`"),
     ] {
         let refused = scratch.fails(2, &["run", "driven_pendulum", "--event", event]);
-        assert!(refused.contains(event.split(',').next().unwrap_or_default()), "{refused} {reason}");
+        let refused = refused.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(refused.contains(reason), "{event}: {refused}");
     }
     let twice =
         scratch.fails(2, &["run", "driven_pendulum", "--event", "e = t", "--event", "e = momentum.x"]);
@@ -257,6 +263,44 @@ fn what_is_none_is_told_with_what_there_is() {
         let error = scratch.fails(2, &["run", "driven_pendulum", "--quantity", quantity]);
         assert!(error.contains(reason), "{quantity}: {error}");
     }
+}
+
+/// What a run is, in a file and on the command line: the same bytes. The file's input is found beside it.
+#[test]
+fn options_are_keys_of_a_file() {
+    let scratch = Scratch::new("keys");
+    scratch.write("there/motor.csv", b"time,motor_x\n0,0.1\n1,-0.2\n2,0.3\n");
+    scratch.write(
+        "there/run.toml",
+        b"system = \"driven_pendulum\"\n[run]\nduration = 1.0\nstep = 0.01\ntolerance = 1e-9\nevery_seconds = 0.125\n\
+          quantity = [\"turned, rad = angle.angle()\"]\nevent = [\"passes\"]\ninput = \"motor.csv\"\ninterpolation = \"linear\"\n\
+          plot = true\nwatch_every_step = true\n",
+    );
+    let line = "run driven_pendulum --duration 1 --step 0.01 --tolerance 1e-9 --every-seconds 0.125 --event passes \
+                --input there/motor.csv --interpolation linear --plot --watch-every-step --quantity";
+    let line: Vec<&str> = line.split(' ').chain(["turned, rad = angle.angle()", "--out", "line"]).collect();
+    scratch.prints(&line);
+    scratch.prints(&["run", "--config", "there/run.toml", "--out", "file"]);
+    let files = scratch.files("line");
+    assert_eq!(scratch.files("file"), files);
+    for ends in [".csv", ".events.csv", ".svg"] {
+        let file = files.iter().find(|file| file.ends_with(ends)).expect(ends);
+        assert_eq!(scratch.read(&format!("file/{file}")), scratch.read(&format!("line/{file}")), "{file}");
+    }
+    let table = scratch.read(&scratch.named("file", "driven_pendulum-", ".events.csv"));
+    assert!(table.starts_with("event,crossing,time,") && table.contains("passes,"), "{table}");
+    // options come in the place of keys
+    scratch.prints(&[
+        "run",
+        "--config",
+        "there/run.toml",
+        "--quantity",
+        "fast = momentum.x",
+        "--out",
+        "both",
+    ]);
+    let both = scratch.read(&scratch.named("both", "driven_pendulum-", ".events.csv"));
+    assert!(both.lines().next().is_some_and(|header| header.ends_with("fast")), "{both}");
 }
 
 /// Columns may be chosen in a file; those of the command line come in their place.

@@ -174,13 +174,13 @@ impl Resolved<'_> {
             Some(family) => format!("; of `{family}` there are {}", list(group::sizes(family))),
             // what is near is meant; what is not may be somebody's own
             None if guess.ends_with('?') => guess,
-            None => {
+            None => written_otherwise(&text).unwrap_or_else(|| {
                 let families = list(group::FAMILIES);
                 let near = near(&text).map_or(String::new(), |near| format!("; did you mean `{near}`?"));
                 format!(
                     "{near}{guess}; families: {families}; one of your own, which `lie_group!` defines, is written `{text}!`"
                 )
-            }
+            }),
         };
         self.diagnostics.fail(name, format!("there is no group `{text}`{help}"))
     }
@@ -288,6 +288,24 @@ fn near(written: &str) -> Option<String> {
     found
         .map(|family| format!("{family}({size})"))
         .find(|name| group::family(&group::one_word(name)).is_some())
+}
+
+/// How to write what is known by this name, and no group here.
+fn written_otherwise(name: &str) -> Option<String> {
+    let stem = name.trim_end_matches(|letter: char| letter.is_ascii_digit());
+    match (stem, name[stem.len()..].parse::<u32>().ok()?) {
+        ("U" | "S" | "T", 1) => Some("; turns in a plane are `SO2`".to_owned()),
+        ("U", n @ (2 | 3)) => Some(format!(
+            "; a phase beside `SU({n})` covers it: `group(element: SU({n}), phase: SO2)`; \
+             of its own matrices `lie_group!` makes `U{n}!`"
+        )),
+        ("S", 2) => {
+            Some("; a sphere is none, and `SO3` turns it: the guide's page `spheres` shows how".to_owned())
+        }
+        ("S" | "Spin", 3) => Some("; unit quaternions are `SU2`".to_owned()),
+        ("T", n @ 2..=32) => Some(format!("; one angle for each dimension is `group(angles: [SO2; {n}])`")),
+        _ => None,
+    }
 }
 
 /// The space of this name on which a group acts.

@@ -34,7 +34,9 @@ impl<'a> Lowering<'a, '_> {
         });
         let (from, to, x) = (from?, to?, x?);
         if (to - from).as_number().is_some_and(|length| length.is_zero()) {
-            return self.fail(arguments[1], "the last knot lies where the first one does");
+            let message = "the last knot lies where the first one does: values stand at equal distances from the one to the other, and straight \
+                           lines go on beyond";
+            return self.fail(arguments[1], message);
         }
         let u = (x - from) * y.len().saturating_sub(1) as i64 / (to - from);
         let [start, c0, c1, c2, c3] = chosen(u, &pieces(&y), 0);

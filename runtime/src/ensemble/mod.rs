@@ -112,8 +112,8 @@ pub enum EnsembleError {
     NotGenerated(#[from] NotGenerated),
     /// Of systems whose types are erased, only standard steps are compiled for several states side by side.
     #[error(
-        "the scheme `{scheme}` is not made of standard steps on the Cayley map, with which alone ensembles of systems chosen at run time move; \
-         take `Cayley`, or a composition of it"
+        "the scheme `{scheme}` is not made of standard steps, with which alone ensembles of systems chosen at run time move; \
+         take `Exponential`, `Cayley`, or a composition of one"
     )]
     NotStandard {
         /// The scheme.

@@ -12,8 +12,7 @@ use crate::schemes::Scheme;
 
 /// Many states of one system that move at the same time, each with parameters of its own: [`Ensemble`](crate::Ensemble) with its types erased.
 ///
-/// Compiled for states side by side are the standard steps on the Cayley map, and what is composed of them; on vector spaces those on the
-/// exponential map are the same.
+/// Compiled for states side by side are the standard steps on the exponential and on the Cayley map, and what is composed of them.
 pub struct Ensemble {
     /// The system with each member's parameters.
     systems: Vec<Arc<dyn System>>,
@@ -27,12 +26,27 @@ impl Ensemble {
     ///
     /// # Errors
     /// If a list of parameters or a state has not as many numbers as the system's, the parameters, the step or a state are not what a stepper
-    /// takes, or the scheme is not made of standard steps on the Cayley map that were generated.
+    /// takes, or the scheme is not made of standard steps on the exponential or the Cayley map that were generated.
     pub fn new(
         system: &dyn EnsembleSystem,
         scheme: &Scheme,
         members: impl IntoIterator<Item = (Vec<f64>, Vec<f64>)>,
         step: f64,
+    ) -> Result<Self, EnsembleError> {
+        Self::with_instructions(system, scheme, members, step, Instructions::widest())
+    }
+
+    /// As [`new`](Self::new), with steps compiled for certain instructions: see
+    /// [`Ensemble::with_instructions`](crate::Ensemble::with_instructions). Those of a system [from a text](crate::guide::at_run_time) stay what they are.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn with_instructions(
+        system: &dyn EnsembleSystem,
+        scheme: &Scheme,
+        members: impl IntoIterator<Item = (Vec<f64>, Vec<f64>)>,
+        step: f64,
+        instructions: Instructions,
     ) -> Result<Self, EnsembleError> {
         let description = system.description();
         let (expected, mut systems, mut checked) = (system.parameters().len(), Vec::new(), Vec::new());
@@ -47,8 +61,7 @@ impl Ensemble {
             systems.push(system);
             checked.push(Member { parameters, state });
         }
-        let widest = Instructions::widest();
-        let members = system.members(scheme, &checked, step, widest)?;
+        let members = system.members(scheme, &checked, step, instructions)?;
         Ok(Self { systems, members, controls: length(description.controls) })
     }
 

@@ -23,9 +23,7 @@ use crate::scheme::{Base, Rule};
 use crate::schemes::Scheme;
 use crate::solve::step::OneStep;
 use crate::stepper::check_state;
-use crate::system::{
-    self, Control, Description, Dynamics, Generated, Kind, Quantity, Role, Schemes, State, Visitor,
-};
+use crate::system::{self, Control, Description, Dynamics, Generated, Quantity, Schemes, State, Visitor};
 
 /// How many numbers these quantities are.
 pub(crate) fn length(quantities: &[Quantity]) -> usize {
@@ -318,25 +316,7 @@ const fn is_taken_together<S: system::System>(map: RetractionKind, rule: Rule) -
     S::INVARIANT && map.is_matrix_function() && is_standard::<S>(rule)
 }
 
-/// Whether a step is that with the Cayley map. Where all configurations are vectors it is the exponential's too, and bears that name.
-const fn is_cayley<S: system::System>(map: RetractionKind) -> bool {
-    if matches!(map, RetractionKind::Cayley) {
-        return true;
-    }
-    let quantities = <S::State as State>::QUANTITIES;
-    let mut k = 0;
-    while k < quantities.len() {
-        let is_vector = matches!(quantities[k].kind, Kind::Scalar | Kind::Vector(_));
-        if matches!(quantities[k].role, Role::Configuration) && !is_vector {
-            return false;
-        }
-        k += 1;
-    }
-    true
-}
-
-/// A scheme made of standard steps with the Cayley map, of states side by side: with the exponential too, a program would take half as long again
-/// to compile.
+/// A scheme made of standard steps, of states side by side.
 struct Standard<'a, S>(&'a Scheme, PhantomData<fn() -> S>);
 
 impl<S: Schemes> Builder for Standard<'_, S> {
@@ -348,7 +328,7 @@ impl<S: Schemes> Builder for Standard<'_, S> {
         let mut generated = |map, rule, step| {
             let method = S::visit(map, rule, OfMethods::<T, false> { parameters, step }).flatten();
             let scheme = || self.0.to_string();
-            method.ok_or_else(|| match is_standard::<S>(rule) && is_cayley::<S>(map) {
+            method.ok_or_else(|| match is_standard::<S>(rule) && map.is_matrix_function() {
                 true => NotGenerated { scheme: scheme(), system: S::NAME, key: "retractions" }.into(),
                 false => EnsembleError::NotStandard { scheme: scheme() },
             })
@@ -371,7 +351,7 @@ impl<T: Batch, S: system::System, const ALL: bool> Visitor<S> for OfMethods<'_, 
         S: Generated<M>,
     {
         // what is not asked for is not compiled
-        if const { !(ALL || is_cayley::<S>(M::MAP) && is_standard::<S>(M::RULE)) } {
+        if const { !(ALL || M::MAP.is_matrix_function() && is_standard::<S>(M::RULE)) } {
             return None;
         }
         Some(if const { T::LANES > 1 || is_taken_together::<S>(M::MAP, M::RULE) } {

@@ -8,7 +8,7 @@ use coadjoint::__private::{Geometry, RetractionKind};
 use coadjoint::certify::{Certification, CertifyError, Report, certify_erased};
 use coadjoint::composition::{Coefficients, Composed, KahanLi6, Suzuki4};
 use coadjoint::derivative::{HasDerivative, Linearizable, WrtControl, WrtParameters, WrtState};
-use coadjoint::ensemble::EnsembleError;
+use coadjoint::ensemble::{EnsembleError, Instructions};
 use coadjoint::erased::{self, StepperError};
 use coadjoint::prelude::*;
 use coadjoint::scheme::Rule;
@@ -209,7 +209,7 @@ fn members_move_as_they_would_alone() {
     fn alone<S: Discretized<Cayley> + Geometry<Scalar = f64> + erased::EnsembleSystem>(
         (system, start): (S, S::State),
         control: &S::Control,
-        schemes: [&str; 2],
+        schemes: &[&str],
     ) {
         let numbers = start.to_components().as_ref().to_vec();
         let parameters = erased(&system).parameters();
@@ -217,28 +217,78 @@ fn members_move_as_they_would_alone() {
         let held = control.to_components().as_ref().to_vec();
         for scheme in schemes {
             let scheme: Scheme = scheme.parse().unwrap();
-            let members = (0..11).map(|k| (scaled(k), numbers.clone()));
-            let mut ensemble = erased::Ensemble::new(&system, &scheme, members, 0.02).unwrap();
-            ensemble.control(|_, _, control| control.copy_from_slice(&held));
-            assert_eq!(ensemble.run(300) + ensemble.run(1), 11 * 301);
-            for (member, system, state) in ensemble.members() {
+            let expected = |system: &dyn erased::System| {
                 let mut expected = numbers.clone();
                 let mut stepper = erased::Stepper::new(system.with_parameters(&[]), &scheme, 0.02).unwrap();
                 stepper.steps(&mut expected, &held, 301).unwrap();
-                assert_eq!(state, expected, "{scheme}, member {member}");
+                expected
+            };
+            let mut widths = Vec::new();
+            for instructions in Instructions::available() {
+                let members = (0..11).map(|k| (scaled(k), numbers.clone()));
+                let ensemble =
+                    erased::Ensemble::with_instructions(&system, &scheme, members, 0.02, instructions);
+                let mut ensemble = ensemble.unwrap();
+                widths.push(ensemble.width());
+                ensemble.control(|_, _, control| control.copy_from_slice(&held));
+                assert_eq!(ensemble.run(300) + ensemble.run(1), 11 * 301);
+                for (member, system, state) in ensemble.members() {
+                    assert_eq!(state, expected(system), "{scheme}, {instructions:?}, member {member}");
+                }
+                assert_eq!((ensemble.time(), ensemble.failed()), (301.0 * 0.02, &[][..]));
             }
-            assert_eq!((ensemble.time(), ensemble.failed()), (301.0 * 0.02, &[][..]));
+            // each wider than the one before
+            assert!(widths.is_sorted_by(|one, other| one < other), "{scheme}: {widths:?}");
         }
     }
-    alone(top(), &NoControl::default(), ["Cayley", "Order4<Cayley>"]);
-    alone(craft(), &CraftControl { thrust: 12.0 }, ["Cayley", "Order6<Cayley>"]);
+    alone(top(), &NoControl::default(), &["Cayley", "Order4<Cayley>", "Exponential", "Order4<Exponential>"]);
+    let held = CraftControl { thrust: 12.0 };
+    alone(craft(), &held, &["Cayley", "Order6<Cayley>", "Exponential", "Order6<Exponential>"]);
     // where all retractions are one
     let start = LineState { position: vector![0.7], momentum: vector![-0.2] };
     alone(
         (Line { mass: 2.0, stiffness: 3.0 }, start),
         &NoControl::default(),
-        ["Exponential", "Order4<Cayley>"],
+        &["Exponential", "Order4<Cayley>"],
     );
+}
+
+/// From turns of hundredths to some of radians a step, beside each other: each lane has a series of its own for the exponential, of four, and some
+/// cannot go on. What happens in one is nothing to the others.
+#[test]
+fn members_that_turn_fast_are_nothing_to_others() {
+    let (system, start) = top();
+    let faster = |k: usize| {
+        let momentum = start.momentum * 1.4_f64.powi(k as i32);
+        TopState { momentum, ..start }.to_components().to_vec()
+    };
+    const MEMBERS: usize = 19;
+    for scheme in ["Exponential", "Cayley"] {
+        let scheme: Scheme = scheme.parse().unwrap();
+        let alone = (0..MEMBERS).map(|k| {
+            let (mut state, mut stepper) =
+                (faster(k), erased::Stepper::new(shared(&system), &scheme, 0.05).unwrap());
+            let failed = stepper.steps(&mut state, &[], 200).err().map(|error| (error.step, error.cause));
+            (state, failed)
+        });
+        let alone: Vec<_> = alone.collect();
+        let failed = alone.iter().filter(|(_, failed)| failed.is_some()).count();
+        assert_eq!(failed > 0, scheme == Scheme::Standard(RetractionKind::Exponential), "{scheme}: {failed}");
+        assert!(failed < 10, "{failed}");
+        for instructions in Instructions::available() {
+            let members = (0..MEMBERS).map(|k| (erased(&system).parameters(), faster(k)));
+            let ensemble = erased::Ensemble::with_instructions(&system, &scheme, members, 0.05, instructions);
+            let mut ensemble = ensemble.unwrap();
+            ensemble.run(200);
+            let found = ensemble.failed().iter().map(|failed| (failed.member, (failed.step, failed.source)));
+            let expected =
+                alone.iter().enumerate().filter_map(|(k, (_, failed))| failed.map(|failed| (k, failed)));
+            assert_eq!(found.collect::<Vec<_>>(), expected.collect::<Vec<_>>(), "{scheme}, {instructions:?}");
+            for (member, _, state) in ensemble.members() {
+                assert_eq!(state, alone[member].0, "{scheme}, {instructions:?}, member {member}");
+            }
+        }
+    }
 }
 
 #[test]
@@ -248,13 +298,15 @@ fn a_scheme_that_members_have_not_side_by_side_is_refused() {
         let members = [(erased(&system).parameters(), state.to_components().to_vec())];
         erased::Ensemble::new(&system, &scheme.parse().unwrap(), members, 0.01).unwrap_err().to_string()
     };
-    let [midpoint, exponential] = ["Order4<Midpoint<Cayley>>", "Exponential"].map(refused);
-    assert_eq!(
-        midpoint,
-        "the scheme `Order4<Midpoint<Cayley>>` is not made of standard steps on the Cayley map, with which alone ensembles of systems chosen \
-         at run time move; take `Cayley`, or a composition of it"
-    );
-    assert!(exponential.contains("`Exponential` is not made of standard steps on"), "{exponential}");
+    for scheme in ["Order4<Midpoint<Cayley>>", "SecondKind"] {
+        assert_eq!(
+            refused(scheme),
+            format!(
+                "the scheme `{scheme}` is not made of standard steps, with which alone ensembles of systems chosen at run time move; \
+                 take `Exponential`, `Cayley`, or a composition of one"
+            )
+        );
+    }
 }
 
 #[test]

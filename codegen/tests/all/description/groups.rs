@@ -91,15 +91,39 @@ fn bases_of_groups() {
     let known = "there is no group `Banana`; known: `R1`, `R2`, `R3`, `R4`, `R5`, `R6`, `SO2`, `SO3`, `SE2`, `SE3` and `SU2`; \
         families: `SO(n)`, `SL(n)`, `GL(n)`, `SP(2n)`";
     breaks("group = Banana", body, &[("Banana", known)]);
-    for (written, word, near) in
-        [("U(2)", "U", "SU(2)"), ("U3", "U3", "SU(3)"), ("O(3)", "O", "SO(3)"), ("sl(2)", "sl", "SL(2)")]
-    {
+    for (written, word, near) in [("O(3)", "O", "SO(3)"), ("sl(2)", "sl", "SL(2)")] {
         let name = written.replace(['(', ')'], "");
         let message = format!(
             "there is no group `{name}`; did you mean `{near}`?; known: `R1`, `R2`, `R3`, `R4`, `R5`"
         );
         breaks(&format!("group = {written}"), body, &[(word, &message)]);
     }
+    // known by a name that is none here: how to write it, which is a description
+    for (written, word, instead) in [
+        (
+            "U(2)",
+            "U",
+            "a phase beside `SU(2)` covers it: `group(element: SU(2), phase: SO2)`; of its own matrices",
+        ),
+        (
+            "U3",
+            "U3",
+            "a phase beside `SU(3)` covers it: `group(element: SU(3), phase: SO2)`; of its own matrices",
+        ),
+        ("U(1)", "U", "turns in a plane are `SO2`$"),
+        ("S1", "S1", "turns in a plane are `SO2`$"),
+        ("S2", "S2", "a sphere is none, and `SO3` turns it: the guide's page `spheres` shows how$"),
+        ("S3", "S3", "unit quaternions are `SU2`$"),
+        ("Spin(3)", "Spin", "unit quaternions are `SU2`$"),
+        ("T(2)", "T", "one angle for each dimension is `group(angles: [SO2; 2])`$"),
+    ] {
+        let name = written.replace(['(', ')'], "");
+        let message = format!("there is no group `{name}`; {instead}");
+        breaks(&format!("group = {written}"), body, &[(word, &message)]);
+    }
+    let phased = "struct Body { #[inertia(element)] j: Vector3<f64>, #[inertia(phase)] k: f64 }";
+    breaks("group(element: SU(2), phase: SO2)", phased, &[]);
+    breaks("group(angles: [SO2; 2])", "struct Body { #[inertia(angles)] j: f64 }", &[]);
     // of no family, and of a size that none has
     for name in ["S4", "U9"] {
         let message = format!("there is no group `{name}`; known: `R1`");

@@ -36,6 +36,7 @@ fn a_description_to_begin_with_is_run_as_the_catalogue_runs_its_own() {
         "|gamma|²",
         "midpoint",
         "run --description my_top.rs",
+        "it has no example: `--set` gives its parameters",
     ] {
         assert!(listed.contains(words), "{listed}");
     }

@@ -1,11 +1,12 @@
 //! Motions on which steps were once given up, or silently wrong, although their equations have plain solutions: where
 //! terms cancel, where nothing moves any more, where a conserved momentum is zero, and where a force is smooth though
-//! its parts are not. One file for each kind, and one of ends that others report.
+//! its parts are not. One file for each kind, and two of ends that others report or compute: `reported.rs`, `applied.rs`.
 //!
 //! Right values are closed formulas, conservation laws, or, where there is a number with eight digits, integrations by
 //! Dormand and Prince's method of order 8 with a relative tolerance of 1e-13, of equations of motion that were written
 //! down by hand.
 
+mod applied;
 mod campaign;
 mod cancelling;
 mod far;
