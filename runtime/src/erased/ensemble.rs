@@ -12,7 +12,8 @@ use crate::schemes::Scheme;
 
 /// Many states of one system that move at the same time, each with parameters of its own: [`Ensemble`](crate::Ensemble) with its types erased.
 ///
-/// Compiled for states side by side are the standard steps on the exponential and on the Cayley map, and what is composed of them.
+/// Compiled for states side by side are the standard steps on the exponential and on the Cayley map, and what is composed of them; those on the
+/// exponential, which take longer to compile, for registers of four doubles at most, unless all configurations are vectors.
 pub struct Ensemble {
     /// The system with each member's parameters.
     systems: Vec<Arc<dyn System>>,

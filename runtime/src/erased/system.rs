@@ -23,7 +23,9 @@ use crate::scheme::{Base, Rule};
 use crate::schemes::Scheme;
 use crate::solve::step::OneStep;
 use crate::stepper::check_state;
-use crate::system::{self, Control, Description, Dynamics, Generated, Quantity, Schemes, State, Visitor};
+use crate::system::{
+    self, Control, Description, Dynamics, Generated, Kind, Quantity, Role, Schemes, State, Visitor,
+};
 
 /// How many numbers these quantities are.
 pub(crate) fn length(quantities: &[Quantity]) -> usize {
@@ -279,7 +281,14 @@ where
         step: f64,
         instructions: Instructions,
     ) -> Result<Members, EnsembleError> {
-        Members::new::<f64, _>(instructions, members, step, &Standard::<S>(scheme, PhantomData))
+        let members = |instructions| {
+            Members::new::<f64, _>(instructions, members, step, &Standard::<S>(scheme, PhantomData))
+        };
+        match members(instructions) {
+            #[cfg(target_arch = "x86_64")]
+            Err(_) if instructions == Instructions::Avx512 => members(Instructions::Avx2),
+            members => members,
+        }
     }
 }
 
@@ -314,6 +323,24 @@ const fn is_standard<S: system::System>(rule: Rule) -> bool {
 /// itself. The others are rarely taken for long, and each would be compiled twice more.
 const fn is_taken_together<S: system::System>(map: RetractionKind, rule: Rule) -> bool {
     S::INVARIANT && map.is_matrix_function() && is_standard::<S>(rule)
+}
+
+/// Whether steps of as many states side by side are compiled: with the Cayley map in registers of any width, with the exponential in those of four.
+/// In wider ones too, a program would take a quarter longer to compile. Where all configurations are vectors both maps are one, and bear this name.
+const fn is_compiled<S: system::System>(map: RetractionKind, lanes: usize) -> bool {
+    if lanes <= 4 || matches!(map, RetractionKind::Cayley) {
+        return map.is_matrix_function();
+    }
+    let quantities = <S::State as State>::QUANTITIES;
+    let mut k = 0;
+    while k < quantities.len() {
+        let is_vector = matches!(quantities[k].kind, Kind::Scalar | Kind::Vector(_));
+        if matches!(quantities[k].role, Role::Configuration) && !is_vector {
+            return false;
+        }
+        k += 1;
+    }
+    map.is_matrix_function()
 }
 
 /// A scheme made of standard steps, of states side by side.
@@ -351,7 +378,7 @@ impl<T: Batch, S: system::System, const ALL: bool> Visitor<S> for OfMethods<'_, 
         S: Generated<M>,
     {
         // what is not asked for is not compiled
-        if const { !(ALL || M::MAP.is_matrix_function() && is_standard::<S>(M::RULE)) } {
+        if const { !(ALL || is_compiled::<S>(M::MAP, T::LANES) && is_standard::<S>(M::RULE)) } {
             return None;
         }
         Some(if const { T::LANES > 1 || is_taken_together::<S>(M::MAP, M::RULE) } {
