@@ -327,6 +327,11 @@ fn moments_are_exact_and_quantiles_as_near_as_they_say() {
             );
             values.sort_by(f64::total_cmp);
             let error = all.relative_error();
+            // with a digit more there were too many of them
+            let finer = |x: &f64| x.to_bits() >> (error.log2() as i32 + 52).clamp(0, 52);
+            let mut different: Vec<u64> = values.iter().map(finer).collect();
+            different.dedup();
+            assert!(error == 0.0 || different.len() > 4096, "{} of {count}", different.len());
             inexact += usize::from(error > 0.0);
             assert!(error < 0.02 && (count > 4096 || error == 0.0), "{error} of {count}");
             for (level, found) in [0.0, 0.05, 0.25, 0.5, 0.75, 0.95, 1.0].iter().zip(spread.quantiles) {
