@@ -106,7 +106,8 @@ fn the_guides_job_array_has_the_bytes_of_one_process() {
 
     let guide = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../runtime/src/guide/clusters.md"));
     let guide = guide.expect("the guide is beside the app");
-    let scripts: Vec<&str> = guide.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+    let scripts: Vec<&str> =
+        guide.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
     let with = |word: &str| *scripts.iter().find(|script| script.contains(word)).expect(word);
     let scratch = Scratch::new("slurm");
     for script in &scripts {
