@@ -174,7 +174,7 @@ mod tests {
             let written = postcard::to_stdvec(&Bytes(list.clone())).expect("in memory");
             assert_eq!(written, postcard::to_stdvec(&list).expect("in memory"));
             assert_eq!(postcard::from_bytes::<Bytes>(&written).expect("what was written").0, list);
-            assert!(postcard::from_bytes::<Bytes>(&written[1..]).is_err() || length == 0 || length > 128);
+            assert!(postcard::from_bytes::<Bytes>(&written[..written.len() - 1]).is_err());
         }
     }
 }
