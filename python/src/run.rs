@@ -104,7 +104,6 @@ impl Records {
         append(&mut self.states, state)?;
         match control {
             Some(control) => append(&mut self.controls, control),
-            None if controls == 0 => Ok(()),
             None => append(&mut self.controls, &vec![0.0; controls]),
         }
     }
