@@ -32,8 +32,8 @@ if ! wait "$installing"; then
     cat "$work/pip.log" >&2
     exit 1
 fi
-"$work/test/bin/python" -m pip install --quiet --disable-pip-version-check "dask[distributed]" >"$work/pip.log" 2>&1 ||
-    echo "no Dask can be installed: ensembles are not tested on its workers"
+"$work/test/bin/python" -m pip install --quiet --disable-pip-version-check "dask[distributed]" pyarrow >"$work/pip.log" 2>&1 ||
+    echo "no Dask or pyarrow can be installed: ensembles are not tested on its workers, nor rows as Parquet"
 
 installed() { # an environment's Python
     "$1" -m pip install --quiet --disable-pip-version-check --no-deps "$wheel"
@@ -63,6 +63,13 @@ if ! wait "$checking"; then
     exit 1
 fi
 grep -v WARNING "$work/others.log"
+
+step "a system that is compiled ahead"
+# what the wheel is made of is compiled already
+(cd examples/compiled && CARGO_INCREMENTAL=0 CARGO_TARGET_DIR=../../target "$work/build/bin/maturin" build --release --locked \
+    --interpreter "$python" --out "$work/compiled")
+"$work/test/bin/python" -m pip install --quiet --disable-pip-version-check --no-deps "$work"/compiled/*.whl
+(cd "$work/tests" && "$work/test/bin/python" -m pytest --quiet -p no:cacheprovider test_compiled.py)
 
 if [ "${1:-}" = --all ]; then
     for other in python3.10 python3.11 python3.12 python3.13 python3.14; do

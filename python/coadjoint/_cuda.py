@@ -101,10 +101,8 @@ def ensemble(
             recorded.append(last)
     codes = cupy.asnumpy(status)
     failed = [Failed(int(member), 0, f"status {codes[member]} of the header") for member in np.flatnonzero(codes)]
-    flat = np.ascontiguousarray(np.array(recorded))
-    return EnsembleSolution(
-        system, np.array(times), State(layout._state, flat), State(layout._parameters, fields), failed
-    )
+    y, start = State(layout._state, np.ascontiguousarray(np.array(recorded))), State(layout._state, rows)
+    return EnsembleSolution(system, np.array(times), y, start, State(layout._parameters, fields), failed)
 
 
 def _timed(_: Any, text: str, scheme: str, struct: str | None) -> bool:

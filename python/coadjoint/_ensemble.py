@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ._native import Statistics
+from ._rows import Rows
 from ._solution import span_of, step_of
 from ._state import Array, State, aligned
 from ._system import BoundSystem, scheme_name
@@ -34,13 +35,18 @@ class EnsembleSolution:
     t: Array
     #: The states: `y.momentum[k, i]` is that of member `i` at time `t[k]`.
     y: State
+    #: The states that members started from.
+    start: State
     #: The parameters of each member.
     parameters: State
     #: Members that could not take a step, in order: their states are the last that they reached.
     failed: list[Failed]
 
-    def __init__(self, system: BoundSystem, t: Array, y: State, parameters: State, failed: list[Failed]) -> None:
-        self.system, self.t, self.y, self.parameters, self.failed = system, t, y, parameters, failed
+    def __init__(
+        self, system: BoundSystem, t: Array, y: State, start: State, parameters: State, failed: list[Failed]
+    ) -> None:
+        self.system, self.t, self.y, self.start = system, t, y, start
+        self.parameters, self.failed = parameters, failed
 
     @property
     def end(self) -> State:
@@ -113,7 +119,7 @@ class EnsembleStatistics:
         return f"<statistics of {names}: {self.members} members to t = {self.t[-1]:g}{failed}>"
 
 
-#: What users may ask of members: functions of a solution, with a number for each time and member.
+#: What users may ask of members: functions of a solution, with a number for each time and member, or for each member.
 Quantities = Mapping[str, Callable[[EnsembleSolution], Any]]
 
 
@@ -127,6 +133,7 @@ class _Work(NamedTuple):
     #: As they are in `ensemble`.
     keys: dict[str, Any]
     quantities: Quantities
+    rows: Rows | None
 
 
 class _Block(NamedTuple):
@@ -154,15 +161,21 @@ def _known(work: _Work, block: _Block) -> EnsembleStatistics:
     has_failed = np.zeros((len(sol.t), len(states)), dtype=bool)
     for one in sol.failed:
         has_failed[:, one.member] = taken >= one.step
-    of = {}
+    found = {}
     for name, quantity in work.quantities.items():
         values = np.array(quantity(sol), dtype=np.float64)
+        if values.shape == (len(states),):
+            # what was drawn, and what else is the same at all times
+            values = np.tile(values, (len(sol.t), 1))
         if values.shape != has_failed.shape:
             wanted = f"{has_failed.shape}: a number for each time and member"
             raise ValueError(f"the quantity `{name}`: an array of shape {values.shape} in place of {wanted}")
         values[has_failed] = np.nan
-        of[name] = [Statistics(row) for row in values]
+        found[name] = values
     first = block.members.start
+    if work.rows is not None:
+        work.rows.write(first, sol.t, found)
+    of = {name: [Statistics(row) for row in values] for name, values in found.items()}
     failed = [one._replace(member=first + one.member) for one in sol.failed]
     return EnsembleStatistics(sol.t, len(states), failed, of)
 
@@ -228,30 +241,35 @@ def statistics(
     progress: Callable[[float], Any] | None,
     seed: int,
     quantities: Quantities,
+    rows: Any,
     block: int,
     client: Any,
     **keys: Any,
 ) -> EnsembleStatistics:
     if not quantities:
         raise ValueError("`quantities` is empty: there is nothing to know of the members")
+    to = None if rows is None else Rows(rows, quantities)
     if int(block) != block or block < 1:
         raise ValueError(f"`block` must be a number of members, 1 or more, not {block!r}")
-    draw = rows = fields = held = None
+    draw = starts = fields = held = None
     if callable(states):
         draw, count = states, _count(n, parameters, seed)
     else:
-        rows, fields = _given(system, states, parameters, n)
-        count = len(rows)
+        starts, fields = _given(system, states, parameters, n)
+        count = len(starts)
     if controls is not None and not callable(controls):
         inputs = system.system._controls
         held = inputs.rows(controls, count, np.zeros(inputs.length))
     blocks = []
     for first in range(0, count, int(block)):
         cut = slice(first, min(first + int(block), count))
-        states, parameters, own = (None if all is None else all[cut] for all in (rows, fields, held))
+        states, parameters, own = (None if all is None else all[cut] for all in (starts, fields, held))
         blocks.append(_Block(range(count)[cut], states, parameters, controls if own is None else own))
     known: EnsembleStatistics | None = None
-    for done, part in enumerate(_mapped(client, _Work(system, draw, int(seed), keys, dict(quantities)), blocks)):
+    work = _Work(system, draw, int(seed), keys, dict(quantities), to)
+    if to is not None:
+        to.begin()
+    for done, part in enumerate(_mapped(client, work, blocks)):
         if known is None:
             known = part
         else:
@@ -354,7 +372,6 @@ def ensemble(
     if every is None and steps:
         times, recorded = times[-1:], recorded[-1:]
     failed = [Failed(*one) for one in native.failed]
-    return EnsembleSolution(
-        system, np.array(times), State(layout._state, np.array(recorded)), State(layout._parameters, fields), failed
-    )
+    y, start = State(layout._state, np.array(recorded)), State(layout._state, rows)
+    return EnsembleSolution(system, np.array(times), y, start, State(layout._parameters, fields), failed)
 

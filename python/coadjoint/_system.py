@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
@@ -490,6 +491,7 @@ class BoundSystem:
         device: str = "cpu",
         progress: Callable[[float], Any] | None = None,
         quantities: Quantities,
+        rows: str | os.PathLike[str] | None = None,
         block: int = 2048,
         client: Any = None,
     ) -> EnsembleStatistics: ...
@@ -509,6 +511,7 @@ class BoundSystem:
         device: str = "cpu",
         progress: Callable[[float], Any] | None = None,
         quantities: Quantities | None = None,
+        rows: str | os.PathLike[str] | None = None,
         block: int = 2048,
         client: Any = None,
     ) -> EnsembleSolution | EnsembleStatistics:
@@ -527,6 +530,8 @@ class BoundSystem:
         With `quantities`, members are run in blocks and forgotten: what is returned are statistics.
 
         quantities: by name, functions of a block's solution, with a number for each time and member: `lambda sol: sol.y.gamma[..., 2]`.
+            Or one for each member, if it is the same at all times: `lambda sol: sol.parameters.weight`.
+        rows: a new directory, to which each block writes a row for each time and member. Its name ends in `.csv`, or in `.parquet` for pyarrow.
         block: so many members are run at a time.
         client: who runs the blocks: what has a method `map`, such as a `Client` of Dask, an `Executor`, or a `Pool` of Ray. By default this process.
 
@@ -547,7 +552,11 @@ class BoundSystem:
         keys: dict[str, Any] = dict(n=n, seed=seed, controls=controls, progress=progress)
         keys |= dict(t_span=t_span, step=step, scheme=scheme, order=order, every=every, device=device)
         if quantities is not None:
-            return statistics(self, states, parameters, quantities=quantities, block=block, client=client, **keys)
+            return statistics(
+                self, states, parameters, quantities=quantities, rows=rows, block=block, client=client, **keys
+            )
+        if rows is not None:
+            raise ValueError("rows are of `quantities`: say of which")
         if client is not None:
             raise ValueError("a client's workers send statistics alone: say of what, by `quantities`")
         return ensemble(self, states, parameters, **keys)

@@ -329,7 +329,9 @@ def test_other_threads_go_on(top, y0):
 
 
 INTERRUPTED = """
-import coadjoint as co, time, sys
+import coadjoint as co, signal, sys
+# whoever was started in the background inherits that it is ignored
+signal.signal(signal.SIGINT, signal.default_int_handler)
 top = co.systems.heavy_top.example
 y = co.systems.heavy_top.state()
 calls = {
@@ -354,7 +356,10 @@ def test_interrupts(call):
     time.sleep(0.3)
     process.send_signal(signal.SIGINT)
     begun = time.monotonic()
-    said, _ = process.communicate(timeout=20)
+    try:
+        said, _ = process.communicate(timeout=20)
+    finally:
+        process.kill()
     assert said == "interrupted\n" and process.returncode == 0
     assert time.monotonic() - begun < 5
 

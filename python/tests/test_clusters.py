@@ -4,6 +4,7 @@ import math
 import multiprocessing
 import pickle
 import runpy
+import signal
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager
 from fractions import Fraction
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 
 import coadjoint as co
+from coadjoint._rows import Rows
 
 MEMBERS = 3000
 TIMES = {"t_span": 2, "step": 0.01, "every": 80}
@@ -181,6 +183,96 @@ def test_the_bytes_are_the_same_whoever_runs_blocks(top, drawn, client):
     assert shares == [(k + 1) / 6 for k in range(6)]
 
 
+ROWS = {"weight": lambda sol: sol.parameters.weight, "drawn": lambda sol: sol.start.momentum[:, 2], "gamma": nutation}
+
+
+def files(directory):
+    return {path.name: path.read_bytes() for path in sorted(directory.iterdir())}
+
+
+@pytest.mark.parametrize("ending", ["csv", "parquet"])
+@pytest.mark.parametrize("client", [lambda: ThreadPoolExecutor(3), lambda: dask(2)], ids=["threads", "dask-2"])
+def test_rows_are_the_same_whoever_runs_blocks(top, tmp_path, monkeypatch, client, ending):
+    if ending == "parquet":
+        pytest.importorskip("pyarrow", reason="there is no pyarrow: rows are not tested as Parquet")
+    # a path from here, and workers that stand elsewhere
+    monkeypatch.chdir(tmp_path)
+    keys = {"n": MEMBERS, "quantities": ROWS, "block": 512, **TIMES}
+    alone = top.ensemble(member, rows=f"here.{ending}", **keys)
+    with client() as client:
+        known = top.ensemble(member, rows=f"there.{ending}", client=client, **keys)
+    assert content(known) == content(alone)
+    names = [f"members-{first:012}.{ending}" for first in range(0, MEMBERS, 512)]
+    assert list(files(tmp_path / f"here.{ending}")) == names
+    assert files(tmp_path / f"there.{ending}") == files(tmp_path / f"here.{ending}")
+
+
+@pytest.mark.parametrize("ending", ["csv", "parquet"])
+def test_rows_are_the_members(top, tmp_path, ending):
+    if ending == "parquet":
+        pytest.importorskip("pyarrow", reason="there is no pyarrow: rows are not tested as Parquet")
+    pandas = pytest.importorskip("pandas")
+    directory = tmp_path / f"top.{ending}"
+    known = top.ensemble(member, n=300, quantities=ROWS, rows=directory, block=128, **TIMES)
+    sol = top.ensemble(member, n=300, **TIMES)
+    if ending == "csv":
+        # to the last digit, which not every version of pandas reads
+        table = [line.split(",") for path in sorted(directory.iterdir()) for line in path.read_text().splitlines()]
+        columns = list(zip(*(line for line in table if line != table[0]), strict=True))
+        rows = pandas.DataFrame({name: list(map(float, column)) for name, column in zip(table[0], columns, strict=True)})
+        assert all(member.isdecimal() for member in columns[0])
+        rows.member = rows.member.astype(np.int64)
+    else:
+        rows = pandas.read_parquet(directory)
+    assert rows.columns.tolist() == ["member", "time", "weight", "drawn", "gamma"] and rows.member.dtype == np.int64
+    rows = rows.sort_values(["time", "member"])
+    assert (rows.member.to_numpy().reshape(4, 300) == np.arange(300)).all()
+    assert (rows.time.to_numpy().reshape(4, 300) == sol.t[:, None]).all()
+    assert (rows.gamma.to_numpy().reshape(4, 300) == nutation(sol)).all()
+    assert (rows.weight.to_numpy().reshape(4, 300) == sol.parameters.weight).all()
+    assert (rows.drawn.to_numpy().reshape(4, 300) == sol.start.momentum[:, 2]).all()
+    agrees(known["drawn"][-1], sol.start.momentum[:, 2])
+
+
+def test_rows_of_members_that_fail_end(tmp_path):
+    pole = co.System(group="R1", potential="position.x.sqrt()", inertia="mass: float")(mass=1)
+    keys = {"t_span": 5, "step": 0.05, "scheme": "exponential", "every": 10}
+    x = {"x": lambda sol: sol.y.position[..., 0]}
+    known = pole.ensemble([[1.0, 0.0], [50.0, 0.0]], quantities=x, rows=tmp_path / "pole.csv", **keys)
+    lines = [line.split(",") for line in (tmp_path / "pole.csv/members-000000000000.csv").read_text().split()[1:]]
+    values = {(int(member), float(time)): float(x) for member, time, x in lines}
+    assert len(values) == 2 * len(known.t)
+    for k, t in enumerate(known.t.tolist()):
+        assert math.isnan(values[0, t]) == (known["x"][k].members == 1)
+        assert not math.isnan(values[1, t])
+    assert math.isnan(values[0, 5.0])
+
+
+def test_rows_are_whole_or_not_there(top, tmp_path):
+    keys = {"n": 300, "block": 100, **TIMES}
+    whole = tmp_path / "whole.csv"
+    top.ensemble(member, quantities={"gamma": nutation}, rows=whole, **keys)
+    with pytest.raises(FileExistsError, match="not empty"):
+        top.ensemble(member, quantities={"gamma": nutation}, rows=whole, **keys)
+    # the disk of a worker is full
+    resource = pytest.importorskip("resource")
+    size = (whole / "members-000000000000.csv").stat().st_size
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    before = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size // 2, limits[1]))
+    try:
+        with pytest.raises(OSError, match="too large"):
+            top.ensemble(member, quantities={"gamma": nutation}, rows=tmp_path / "full.csv", **keys)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        signal.signal(signal.SIGXFSZ, before)
+    assert not files(tmp_path / "full.csv")
+    # a worker that does not see the directory
+    rows = Rows(tmp_path / "elsewhere.csv", {})
+    with pytest.raises(FileNotFoundError, match="all workers share"):
+        rows.write(0, np.zeros(1), {"x": np.zeros((1, 2))})
+
+
 def test_the_bytes_are_the_same_in_blocks_of_64_or_more(top, drawn):
     # as many as registers hold are stepped together, in either
     for block in (64, 2048, 10_000):
@@ -241,12 +333,15 @@ def test_parts_of_ensembles_merge(top):
         (member, {"n": 3, "client": ThreadPoolExecutor(1)}, ValueError, "`quantities`"),
         (member, {"n": 3, "quantities": {"all": lambda sol: sol.y.gamma}}, ValueError, "quantity `all`"),
         (member, {"n": 3, "quantities": {"bad": lambda sol: 1 / 0}}, ZeroDivisionError, "division"),
+        (member, {"n": 3, "quantities": QUANTITIES, "rows": "rows.txt"}, ValueError, "`.csv` or `.parquet`"),
+        (member, {"n": 3, "quantities": {"time": nutation}, "rows": "rows.csv"}, ValueError, "column `time`"),
+        (member, {"n": 3, "rows": "rows.csv"}, ValueError, "rows are of `quantities`"),
     ],
 )
 def test_what_makes_no_sense_is_refused(top, states, keys, error, says):
     with pytest.raises(error, match=says):
         top.ensemble(states, t_span=0.1, step=0.01, **keys)
-    if "quantities" not in keys and "client" not in keys:
+    if not {"quantities", "client", "rows"} & keys.keys():
         with pytest.raises(error, match=says):
             top.ensemble(states, t_span=0.1, step=0.01, quantities=QUANTITIES, **keys)
 

@@ -161,8 +161,9 @@ impl App {
                     1 => String::new(),
                     size => format!(" (rank {} of {size})", ranks.rank() + 1),
                 };
-                // if standard error is closed too, the exit code still speaks
-                let _ = writeln!(io::stderr(), "error{of}: {}", printable(&error.to_string()));
+                // in one piece, since other ranks write there too; if it is closed, the exit code still speaks
+                let message = format!("error{of}: {}\n", printable(&error.to_string()));
+                let _ = io::stderr().write_all(message.as_bytes());
                 exit_code(&error)
             }
         }

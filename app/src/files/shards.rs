@@ -17,7 +17,7 @@ use super::run_json::FileOrigin;
 use super::table::rows_file;
 use crate::error::{Error, FileError, SetupError};
 use crate::setup::Format;
-use crate::simulate::ensemble::{Block, EnsembleSpec, Tally};
+use crate::simulate::ensemble::{Block, Bytes, EnsembleSpec, Tally};
 
 /// The beginning of shards; the number is the version of the format.
 const MAGIC: &str = "coadjoint shard 1";
@@ -78,7 +78,7 @@ pub(crate) struct Shard {
 #[derive(Serialize, Deserialize)]
 struct Saved {
     done: Done,
-    tally: Vec<u8>,
+    tally: Bytes,
     seconds: f64,
     width: usize,
 }
@@ -163,7 +163,7 @@ impl Shard {
     /// Writes it, without what it is a part of.
     pub(crate) fn to_bytes(&self) -> Vec<u8> {
         let Self { done, tally, seconds, width } = self;
-        let saved = Saved { done: done.clone(), tally: tally.to_bytes(), seconds: *seconds, width: *width };
+        let saved = Saved { done: done.clone(), tally: Bytes(tally.to_bytes()), seconds: *seconds, width: *width };
         // writing to memory does not fail
         postcard::to_stdvec(&saved).unwrap_or_default()
     }
@@ -171,7 +171,7 @@ impl Shard {
     /// Reads what [`to_bytes`](Self::to_bytes) wrote; none if that is not what these bytes are.
     pub(crate) fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let Saved { done, tally, seconds, width } = postcard::from_bytes(bytes).ok()?;
-        Some(Self { done, tally: Tally::from_bytes(&tally)?, seconds, width })
+        Some(Self { done, tally: Tally::from_bytes(&tally.0)?, seconds, width })
     }
 
     fn content(&self, manifest: &Manifest) -> Vec<u8> {

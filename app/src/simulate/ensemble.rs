@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 
 pub use self::ranks::{Alone, Ranks, Tag};
 pub(crate) use self::ranks::{Handed, merged, shared};
+pub(crate) use self::tally::Bytes;
 pub use self::tally::Tally;
 use super::{scheme, stepper};
 use crate::catalogue::{ControlLaw, Entry, Observable, Setup};

@@ -37,34 +37,50 @@ impl Sketch {
     }
 
     /// Adds the counts of another one.
-    pub(crate) fn merge(&mut self, mut other: Self) {
+    pub(crate) fn merge(&mut self, other: &Self) {
         let dropped = self.dropped.max(other.dropped);
-        self.coarsen(dropped);
-        other.coarsen(dropped);
+        let coarse = |of: &Self| {
+            let more = dropped - of.dropped;
+            move |(key, count): &(u64, u64)| (key >> more, *count)
+        };
         let mut merged: Vec<(u64, u64)> = Vec::with_capacity(self.buckets.len() + other.buckets.len());
-        let (mut ours, mut theirs) = (self.buckets.iter().peekable(), other.buckets.iter().peekable());
+        let mut ours = self.buckets.iter().map(coarse(self));
+        let mut theirs = other.buckets.iter().map(coarse(other));
+        let (mut our, mut their) = (ours.next(), theirs.next());
         loop {
-            let next = match (ours.peek(), theirs.peek()) {
-                (Some((a, _)), Some((b, _))) if a <= b => ours.next(),
-                (Some(_), None) => ours.next(),
-                _ => theirs.next(),
+            let next = match (our, their) {
+                (Some((a, _)), Some((b, _))) if a <= b => core::mem::replace(&mut our, ours.next()),
+                (Some(_), None) => core::mem::replace(&mut our, ours.next()),
+                _ => core::mem::replace(&mut their, theirs.next()),
             };
-            let Some(&(key, count)) = next else { break };
+            let Some((key, count)) = next else { break };
             match merged.last_mut() {
                 Some((last, all)) if *last == key => *all += count,
                 _ => merged.push((key, count)),
             }
         }
-        self.buckets = merged;
+        (self.dropped, self.buckets) = (dropped, merged);
         self.fit();
         self.buckets.shrink_to_fit();
     }
 
     /// Drops digits until there are not too many buckets.
     fn fit(&mut self) {
-        while self.buckets.len() > MOST && self.dropped < DIGITS {
-            self.coarsen(self.dropped + 1);
+        let mut left = self.buckets.len();
+        if left <= MOST {
+            return;
         }
+        // neighbours become one where the first digit in which they differ is dropped
+        let mut differ = [0; u64::BITS as usize];
+        for pair in self.buckets.windows(2) {
+            differ[(pair[0].0 ^ pair[1].0).ilog2() as usize] += 1;
+        }
+        let mut dropped = self.dropped;
+        while left > MOST && dropped < DIGITS {
+            left -= differ[(dropped - self.dropped) as usize];
+            dropped += 1;
+        }
+        self.coarsen(dropped);
     }
 
     fn coarsen(&mut self, dropped: u32) {
@@ -156,16 +172,13 @@ pub(crate) fn write_number(to: &mut Vec<u8>, mut number: u64) {
 /// Reads an integer.
 pub(crate) fn read_number(from: &mut &[u8]) -> Option<u64> {
     let mut number = 0;
-    for shift in (0..64).step_by(7) {
-        let (&byte, rest) = from.split_first()?;
-        *from = rest;
+    for (k, &byte) in from.iter().take(10).enumerate() {
         let digits = u64::from(byte & 127);
-        if shift == 63 && digits > 1 {
-            return None;
-        }
-        number |= digits << shift;
+        number |= digits << (7 * k);
         if byte < 128 {
-            return Some(number);
+            *from = &from[k + 1..];
+            // the tenth byte has one digit
+            return (k < 9 || digits < 2).then_some(number);
         }
     }
     None

@@ -82,7 +82,7 @@ impl Statistics {
         self.least = [self.least, other.least].into_iter().min_by(f64::total_cmp).unwrap_or(self.least);
         self.greatest =
             [self.greatest, other.greatest].into_iter().max_by(f64::total_cmp).unwrap_or(self.greatest);
-        self.sketch.merge(other.sketch.clone());
+        self.sketch.merge(&other.sketch);
     }
 
     /// How many values there are.

@@ -175,6 +175,7 @@ impl<'r> Handed<'r> {
 
 #[cfg(test)]
 mod tests {
+    use std::cell::Cell;
     use std::sync::Mutex;
     use std::sync::mpsc::{Receiver, Sender, channel};
 
@@ -246,6 +247,38 @@ mod tests {
                 assert_eq!(all, (0..count as u8).collect::<Vec<_>>(), "{size} ranks");
                 assert!(found[1..].iter().all(Option::is_none));
             }
+        }
+    }
+
+    /// Each rank knows of 500 values of its own, at last all of 32,000; what is sent of them is bounded.
+    #[test]
+    fn what_ranks_receive_grows_as_the_logarithm() {
+        use coadjoint::ensemble::Statistics;
+
+        let values = |rank: usize| (0..500).map(move |k| (f64::from(k) * 0.37 + rank as f64).sin());
+        for doubled in 0..=6_u32 {
+            let size = 1 << doubled;
+            let found = on_each(size, |ranks| {
+                let (messages, bytes) = (Cell::new(0), Cell::new(0));
+                let merge = |own: &mut Statistics, other: &[u8]| {
+                    messages.set(messages.get() + 1);
+                    bytes.set(bytes.get() + other.len());
+                    own.merge(&Statistics::from_bytes(other).ok_or(())?);
+                    Ok::<_, ()>(())
+                };
+                let own = Statistics::of(values(ranks.rank()));
+                let all = merged(ranks, own, merge, Statistics::to_bytes).expect("what was sent");
+                (all, messages.get(), bytes.get())
+            });
+            let all = Statistics::of((0..size).flat_map(values));
+            assert_eq!(found[0].0.as_ref().map(Statistics::to_bytes), Some(all.to_bytes()), "{size} ranks");
+            // as many buckets as are kept, each with its digits and its count
+            let most = 4096 * 11 + 4096;
+            println!("{size} ranks: the first received {} messages, {} bytes", found[0].1, found[0].2);
+            assert_eq!(found[0].1, doubled, "{size} ranks");
+            assert!(found.iter().all(|(_, messages, _)| *messages <= doubled), "{size} ranks");
+            assert!(found[0].2 <= most * doubled as usize, "{size} ranks: {}", found[0].2);
+            assert_eq!(found.iter().map(|(_, messages, _)| messages).sum::<u32>() as usize, size - 1);
         }
     }
 

@@ -2,7 +2,7 @@
 
 use coadjoint::ensemble::Statistics;
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{Block, EnsembleSpec, EnsembleSummary, Failure};
 use crate::catalogue::{Entry, Setup};
@@ -29,7 +29,22 @@ struct Saved {
     failures: u64,
     failed: Vec<Failure>,
     drawn: Vec<(f64, f64)>,
-    statistics: Vec<Vec<u8>>,
+    statistics: Vec<Bytes>,
+}
+
+/// Bytes that are written and read in one piece: as a list they would be one by one.
+pub(crate) struct Bytes(pub(crate) Vec<u8>);
+
+impl Serialize for Bytes {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_bytes(&self.0)
+    }
+}
+
+impl<'de> Deserialize<'de> for Bytes {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        <&[u8]>::deserialize(from).map(|bytes| Self(bytes.to_vec()))
+    }
 }
 
 impl Tally {
@@ -93,7 +108,7 @@ impl Tally {
             failures: *failures,
             failed: failed.clone(),
             drawn: drawn.clone(),
-            statistics: statistics.par_iter().map(Statistics::to_bytes).collect(),
+            statistics: statistics.par_iter().map(|statistics| Bytes(statistics.to_bytes())).collect(),
         };
         // writing to memory does not fail
         postcard::to_stdvec(&saved).unwrap_or_default()
@@ -104,7 +119,7 @@ impl Tally {
         let Saved { members, member_steps, failures, failed, drawn, statistics } =
             postcard::from_bytes(bytes).ok()?;
         let statistics =
-            statistics.par_iter().map(|bytes| Statistics::from_bytes(bytes)).collect::<Option<_>>()?;
+            statistics.par_iter().map(|bytes| Statistics::from_bytes(&bytes.0)).collect::<Option<_>>()?;
         Some(Self { members, member_steps, failures, failed, drawn, statistics })
     }
 
@@ -144,6 +159,22 @@ impl Tally {
             member_steps,
             width,
             seconds,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_in_one_piece_are_those_one_by_one() {
+        for length in [0, 1, 127, 128, 100_000] {
+            let list: Vec<u8> = (0..length).map(|k: u32| k as u8).collect();
+            let written = postcard::to_stdvec(&Bytes(list.clone())).expect("in memory");
+            assert_eq!(written, postcard::to_stdvec(&list).expect("in memory"));
+            assert_eq!(postcard::from_bytes::<Bytes>(&written).expect("what was written").0, list);
+            assert!(postcard::from_bytes::<Bytes>(&written[..written.len() - 1]).is_err());
         }
     }
 }
