@@ -4,8 +4,9 @@ use super::series::Length;
 use crate::error::{ParameterError, StepError};
 
 /// The time of a trajectory, and what is asked of the length of its steps.
+#[doc(hidden)]
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pace {
+pub struct Pace {
     /// A step that is always the same, if it is.
     pub(crate) fixed: Option<f64>,
     /// No step is longer.
@@ -164,17 +165,96 @@ impl Pace {
         start == self.from && self.last.is_some_and(|last| (0.0..=1.0).contains(&(length / last)))
     }
 
+    /// All that is carried from one step to the next, with the largest that each number of an input has been.
     #[cfg(feature = "std")]
-    pub(crate) fn snapshot(&self) -> [f64; Self::MEMORY] {
-        [self.time[0], self.time[1], self.taken as f64, self.last.unwrap_or(0.0)]
+    pub(crate) fn snapshot(&self, sizes: &[f64]) -> std::vec::Vec<f64> {
+        let own = [self.time[0], self.time[1], self.taken as f64, self.last.unwrap_or(0.0)];
+        own.into_iter().chain(sizes.iter().copied()).collect()
     }
 
-    pub(crate) fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
-        let &[high, low, taken, last] = memory else {
-            return Err(ParameterError::Snapshot { expected: Self::MEMORY, got: memory.len() });
+    /// Takes that back.
+    pub(crate) fn restore(&mut self, sizes: &mut [f64], memory: &[f64]) -> Result<(), ParameterError> {
+        let expected = Self::MEMORY + sizes.len();
+        let [high, low, taken, last, known @ ..] = memory else {
+            return Err(ParameterError::Snapshot { expected, got: memory.len() });
         };
-        (self.time, self.taken, self.from) = ([high, low], taken as u64, f64::NAN);
-        self.last = Some(last).filter(|last| *last != 0.0);
+        if memory.len() != expected {
+            return Err(ParameterError::Snapshot { expected, got: memory.len() });
+        }
+        sizes.copy_from_slice(known);
+        (self.time, self.taken, self.from) = ([*high, *low], *taken as u64, f64::NAN);
+        self.last = Some(*last).filter(|last| *last != 0.0);
         Ok(())
     }
 }
+
+/// The calls of [`Stepping`](crate::stepper::Stepping) that are those of a pace, and of the largest that each number of an input has been:
+/// `carried` and `carried_mut` say where both are.
+macro_rules! by_pace {
+    () => {
+        fn time(&self) -> f64 {
+            self.carried().0.time()
+        }
+
+        fn set_time(&mut self, time: f64) {
+            let (pace, sizes) = self.carried_mut();
+            pace.set_time(time);
+            sizes.fill(0.0);
+        }
+
+        fn steps_taken(&self) -> u64 {
+            self.carried().0.taken
+        }
+
+        /// The length of the last step, with the sign of the way to the end that is set; before the first that way.
+        fn step_size(&self) -> f64 {
+            self.carried().0.step_size()
+        }
+
+        /// Takes steps of this length from now on, whatever the tolerance.
+        fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError> {
+            crate::stepper::check_step(step)?;
+            self.carried_mut().0.fixed = Some(step);
+            Ok(())
+        }
+
+        fn is_adaptive(&self) -> bool {
+            self.carried().0.fixed.is_none()
+        }
+
+        fn set_end(&mut self, time: f64) {
+            self.carried_mut().0.end = time;
+        }
+
+        fn has_ended(&self) -> bool {
+            self.carried().0.has_ended()
+        }
+
+        #[cfg(feature = "std")]
+        fn snapshot(&self) -> std::vec::Vec<f64> {
+            let (pace, sizes) = self.carried();
+            pace.snapshot(sizes)
+        }
+
+        fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
+            let (pace, sizes) = self.carried_mut();
+            pace.restore(sizes, memory)
+        }
+
+        fn go_on_at(&mut self, time: f64, steps: u64) {
+            let (pace, _) = self.carried_mut();
+            pace.set_time(time);
+            pace.taken = steps;
+        }
+
+        fn steps_with(
+            &mut self,
+            state: &mut <Self::System as crate::system::Dynamics>::State,
+            control: &<Self::System as crate::system::Dynamics>::Control,
+            count: u64,
+        ) -> Result<RunReport, RunError> {
+            crate::taylor::steps_with(self, state, control, count)
+        }
+    };
+}
+pub(crate) use by_pace;

@@ -9,7 +9,7 @@ use crate::erased::adaptive::TaylorSteps;
 use crate::erased::system::{Geometry as _, length};
 use crate::error::{ParameterError, StepError};
 use crate::scalar::Scalar;
-use crate::stepper::{Inputs, StepReport, check_deviation, check_step};
+use crate::stepper::{Inputs, StepReport, check_deviation};
 use crate::system::adaptive::{LEAST_ORDER, order};
 use crate::system::input::{Polynomial, fitted};
 use crate::system::pace::{Pace, Wanted};
@@ -62,6 +62,12 @@ struct Series {
 }
 
 impl Terms for Series {
+    type Each<X: Copy + Send + Sync> = [X; 1];
+
+    fn each(value: f64) -> [f64; 1] {
+        [value]
+    }
+
     fn last(&self) -> usize {
         self.order
     }
@@ -70,9 +76,9 @@ impl Terms for Series {
         self.functions.blocks()
     }
 
-    fn largest(&self, order: usize, from: usize, length: usize) -> f64 {
+    fn largest(&self, order: usize, from: usize, length: usize) -> [f64; 1] {
         let larger = |largest: f64, x: &f64| if x.abs() > largest { x.abs() } else { largest };
-        self.coefficients[order][from..from + length].iter().fold(0.0, larger)
+        [self.coefficients[order][from..from + length].iter().fold(0.0, larger)]
     }
 }
 
@@ -213,7 +219,7 @@ impl DynamicTaylor {
         }
         let before = self.pace.begin();
         self.series.expand(&given, input);
-        let step = self.series.step(before, wanted.length);
+        let [step] = self.series.step(&[before], &[wanted.length]);
         let next = self.series.state(step);
         self.pace.took(step, is_finite(&next), wanted.end)?;
         crate::flat::copy(state, &next);
@@ -222,17 +228,12 @@ impl DynamicTaylor {
 }
 
 impl TaylorSteps for DynamicTaylor {
-    fn time(&self) -> f64 {
-        self.pace.time()
+    fn carried(&self) -> (&Pace, &[f64]) {
+        (&self.pace, &self.sizes)
     }
 
-    fn set_time(&mut self, time: f64) {
-        self.pace.set_time(time);
-        self.sizes.fill(0.0);
-    }
-
-    fn steps_taken(&self) -> u64 {
-        self.pace.taken
+    fn carried_mut(&mut self) -> (&mut Pace, &mut [f64]) {
+        (&mut self.pace, &mut self.sizes)
     }
 
     fn order(&self) -> usize {
@@ -243,33 +244,6 @@ impl TaylorSteps for DynamicTaylor {
         let order = order.clamp(LEAST_ORDER, MOST_COEFFICIENTS);
         self.series = Series::new(self.series.functions.clone(), order);
         self.pace.leave();
-    }
-
-    fn step_size(&self) -> f64 {
-        self.pace.step_size()
-    }
-
-    fn is_adaptive(&self) -> bool {
-        self.pace.fixed.is_none()
-    }
-
-    fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError> {
-        check_step(step)?;
-        self.pace.fixed = Some(step);
-        Ok(())
-    }
-
-    fn set_end(&mut self, time: f64) {
-        self.pace.end = time;
-    }
-
-    fn has_ended(&self) -> bool {
-        self.pace.has_ended()
-    }
-
-    fn go_on_at(&mut self, time: f64, steps: u64) {
-        self.pace.set_time(time);
-        self.pace.taken = steps;
     }
 
     fn step_beside(
@@ -319,20 +293,6 @@ impl TaylorSteps for DynamicTaylor {
         // be it that the state at its end is none: the series tells by itself how far it goes
         let _ = beside.advance_with(&mut state.to_vec(), control, None, Length::Exactly(length).into());
         beside.series.event(event, length, coefficients)
-    }
-
-    fn snapshot(&self) -> Vec<f64> {
-        self.pace.snapshot().into_iter().chain(self.sizes.iter().copied()).collect()
-    }
-
-    fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
-        let expected = Pace::MEMORY + self.sizes.len();
-        if memory.len() != expected {
-            return Err(ParameterError::Snapshot { expected, got: memory.len() });
-        }
-        let (own, sizes) = memory.split_at(Pace::MEMORY);
-        self.sizes.copy_from_slice(sizes);
-        self.pace.restore(own)
     }
 
     fn step_with(&mut self, state: &mut [f64], control: &[f64]) -> Result<f64, StepError> {
