@@ -303,12 +303,14 @@ pub(crate) struct Series<S: PowerSeries, T: Batch, R: Room = Within> {
     coefficients: R::Orders<S::Coefficients<T>>,
     events: R::Orders<S::Events<T>>,
     order: usize,
+    /// Whether the controls are held.
+    is_held: bool,
 }
 
 impl<S: PowerSeries, T: Batch> Clone for Series<S, T> {
     fn clone(&self) -> Self {
-        let Self { kept, coefficients, events, order, .. } = *self;
-        Self { kept, factors: self.factors.clone(), coefficients, events, order }
+        let Self { kept, coefficients, events, order, is_held, .. } = *self;
+        Self { kept, factors: self.factors.clone(), coefficients, events, order, is_held }
     }
 }
 
@@ -318,7 +320,8 @@ impl<S: PowerSeries, T: Batch, R: Room> Series<S, T, R> {
         let zero = T::of(0.0);
         let coefficients = R::all(S::Coefficients::splat(zero));
         let events = R::all(S::Events::splat(zero));
-        Self { kept: S::Kept::splat(zero), factors: R::Factors::new(), coefficients, events, order }
+        let (kept, factors) = (S::Kept::splat(zero), R::Factors::new());
+        Self { kept, factors, coefficients, events, order, is_held: true }
     }
 
     pub(crate) fn order(&self) -> usize {
@@ -334,7 +337,7 @@ impl<S: PowerSeries, T: Batch, R: Room> Series<S, T, R> {
     fn expand<P: Processor>(&mut self, start: &Start<'_, S, T>) {
         let Start { parameters, state, time, control, velocity, input } = start;
         let Leading { kept, start, change, events } = S::leading(parameters, state, *time, control, velocity);
-        self.kept = kept;
+        (self.kept, self.is_held) = (kept, input.is_none());
         let coefficients = self.coefficients.as_mut();
         (coefficients[0], coefficients[1], self.events.as_mut()[0]) = (start, change, events);
         self.drive(*input, 1);
@@ -404,6 +407,7 @@ impl<S: PowerSeries, T: Real> Series<S, T> {
         let take = |to: &mut [T], from: &[L]| {
             to.iter_mut().zip(from).for_each(|(to, from)| *to = T::of(from.lane(lane).to_f64()));
         };
+        self.is_held = of.is_held;
         take(self.kept.as_mut(), of.kept.as_ref());
         for (to, from) in self.coefficients.iter_mut().zip(of.coefficients.as_ref()) {
             take(to.as_mut(), from.as_ref());
@@ -433,6 +437,11 @@ impl<S: PowerSeries, T: Batch, R: Room> Terms for Series<S, T, R> {
     }
 
     #[inline(always)]
+    fn held(&self) -> usize {
+        S::CONTROLS.filter(|_| self.is_held).unwrap_or(S::Coefficients::<T>::LENGTH)
+    }
+
+    #[inline(always)]
     fn largest(&self, order: usize, from: usize, length: usize) -> T::Each<f64> {
         let mut largest = T::all(0.0);
         for x in &self.coefficients.as_ref()[order].as_ref()[from..from + length] {
@@ -455,6 +464,8 @@ pub(crate) trait Terms {
     fn last(&self) -> usize;
     /// The lengths of the blocks of what has a series that have a unit in common.
     fn blocks(&self) -> &[usize];
+    /// Where what is held begins among what has a series.
+    fn held(&self) -> usize;
     /// The largest coefficient of one order in a block that begins there.
     fn largest(&self, order: usize, from: usize, length: usize) -> Self::Each<f64>;
 
@@ -494,6 +505,9 @@ pub(crate) trait Terms {
         let mut least = [Self::each(f64::INFINITY), Self::each(f64::INFINITY)];
         let mut from = 0;
         for &length in self.blocks() {
+            if from >= self.held() {
+                break;
+            }
             // not by a map, whose closure would be compiled apart, for any processor
             let (zeroth, first) = (self.largest(0, from, length), self.largest(1, from, length));
             let second = self.largest(2, from, length);

@@ -59,6 +59,8 @@ struct Series {
     coefficients: Vec<Vec<f64>>,
     events: Vec<Vec<f64>>,
     order: usize,
+    /// Whether the controls are held.
+    is_held: bool,
 }
 
 impl Terms for Series {
@@ -76,6 +78,10 @@ impl Terms for Series {
         self.functions.blocks()
     }
 
+    fn held(&self) -> usize {
+        self.functions.controls().filter(|_| self.is_held).unwrap_or(usize::MAX)
+    }
+
     fn largest(&self, order: usize, from: usize, length: usize) -> [f64; 1] {
         let larger = |largest: f64, x: &f64| if x.abs() > largest { x.abs() } else { largest };
         [self.coefficients[order][from..from + length].iter().fold(0.0, larger)]
@@ -88,12 +94,13 @@ impl Series {
         let coefficients = std::vec![std::vec![0.0; functions.blocks().iter().sum()]; order + 1];
         let events = std::vec![std::vec![0.0; functions.events().len()]; order];
         let (frame, operands) = (functions.frame(), [rows.clone(), rows]);
-        Self { functions, frame, operands, coefficients, events, order }
+        Self { functions, frame, operands, coefficients, events, order, is_held: true }
     }
 
     /// Computes all coefficients of the motion from a state on, with an input in the place of controls that are held.
     fn expand(&mut self, given: &Given<'_>, input: Option<&Polynomial<Vec<f64>>>) {
-        let Self { functions, frame, operands: [left, right], coefficients, events, order } = self;
+        self.is_held = input.is_none();
+        let Self { functions, frame, operands: [left, right], coefficients, events, order, .. } = self;
         let from = functions.controls();
         let drive = |coefficients: &mut [f64], order: usize| {
             let (Some(input), Some(from)) = (input, from) else { return };
