@@ -285,6 +285,8 @@ impl Stepping for Adaptive {
     }
 }
 
+impl taylor::Beside for Adaptive {}
+
 impl fmt::Debug for Adaptive {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Adaptive")

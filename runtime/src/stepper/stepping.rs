@@ -138,19 +138,6 @@ pub trait Stepping {
     /// The next step starts at this time, after so many steps.
     #[doc(hidden)]
     fn go_on_at(&mut self, time: f64, steps: u64);
-    /// Takes each member to a time, several side by side where that is quicker.
-    #[doc(hidden)]
-    #[cfg(feature = "std")]
-    fn some_to(
-        members: &mut [(Self, <Self::System as Dynamics>::State)],
-        time: f64,
-        _instructions: crate::ensemble::Instructions,
-    ) -> std::vec::Vec<Result<RunReport, RunError>>
-    where
-        Self: Sized,
-    {
-        crate::taylor::one_by_one(members, time)
-    }
 }
 
 /// What acts on the system over a step.

@@ -34,11 +34,11 @@ mod together;
 
 use core::fmt;
 
-#[cfg(feature = "std")]
-use crate::ensemble::Instructions;
 use crate::error::{ParameterError, StepError};
 #[cfg(feature = "std")]
 use crate::run::Run;
+#[cfg(feature = "std")]
+use crate::scalar::instructions::Instructions;
 use crate::scalar::{Batch, Components as _, Real, Scalar as _};
 use crate::stepper::report::{RunError, RunReport};
 use crate::stepper::{Inputs, StepReport, Stepping, check_deviation, check_step};
@@ -353,7 +353,7 @@ pub fn all_to<T>(
     time: f64,
 ) -> std::vec::Vec<Result<RunReport, RunError>>
 where
-    T: Stepping + Send,
+    T: Beside + Send,
     <T::System as Dynamics>::State: Send,
 {
     all_to_with(members, time, Instructions::widest())
@@ -367,7 +367,7 @@ pub fn all_to_with<T>(
     instructions: Instructions,
 ) -> std::vec::Vec<Result<RunReport, RunError>>
 where
-    T: Stepping + Send,
+    T: Beside + Send,
     <T::System as Dynamics>::State: Send,
 {
     let some = |members: &mut [(T, <T::System as Dynamics>::State)]| T::some_to(members, time, instructions);
@@ -383,13 +383,30 @@ where
     some(members)
 }
 
-/// Takes members to a time one by one.
+/// Members of an ensemble.
+#[doc(hidden)]
 #[cfg(feature = "std")]
-pub(crate) fn one_by_one<T: Stepping>(
-    members: &mut [(T, <T::System as Dynamics>::State)],
-    time: f64,
-) -> std::vec::Vec<Result<RunReport, RunError>> {
-    members.iter_mut().map(|(trajectory, state)| Run::new(trajectory, state).to(time)).collect()
+pub trait Beside: Stepping + Sized {
+    /// Takes each member to a time, several side by side where that is quicker.
+    fn some_to(
+        members: &mut [(Self, <Self::System as Dynamics>::State)],
+        time: f64,
+        _instructions: Instructions,
+    ) -> std::vec::Vec<Result<RunReport, RunError>> {
+        members.iter_mut().map(|(trajectory, state)| Run::new(trajectory, state).to(time)).collect()
+    }
+}
+
+#[cfg(feature = "std")]
+impl<S: PowerSeries> Beside for Adaptive<S> {
+    #[cfg(target_arch = "x86_64")]
+    fn some_to(
+        members: &mut [(Self, S::State)],
+        time: f64,
+        instructions: Instructions,
+    ) -> std::vec::Vec<Result<RunReport, RunError>> {
+        together::some_to(members, time, instructions)
+    }
 }
 
 impl<S: PowerSeries> Stepping for Adaptive<S> {
@@ -458,15 +475,6 @@ impl<S: PowerSeries> Stepping for Adaptive<S> {
         // be it that the state at its end is none: the series tells by itself how far it goes
         let _ = beside.advance_with(&mut state.clone(), control, None, Length::Exactly(length).into());
         beside.series.event(event, length, coefficients)
-    }
-
-    #[cfg(all(feature = "std", target_arch = "x86_64"))]
-    fn some_to(
-        members: &mut [(Self, S::State)],
-        time: f64,
-        instructions: Instructions,
-    ) -> std::vec::Vec<Result<RunReport, RunError>> {
-        together::some_to(members, time, instructions)
     }
 }
 

@@ -2,10 +2,10 @@
 
 use std::vec::Vec;
 
-use super::{Adaptive, EXPLICIT, PowerSeries, one_by_one};
-use crate::ensemble::Instructions;
+use super::{Adaptive, EXPLICIT, PowerSeries};
 use crate::error::StepError;
 use crate::run::Run;
+use crate::scalar::instructions::Instructions;
 use crate::scalar::simd::lanes::Lanes;
 use crate::scalar::simd::processor::{Avx2, Avx512};
 use crate::scalar::{Batch, Components as _, Real, Scalar};
@@ -27,7 +27,7 @@ pub(super) fn some_to<S: PowerSeries>(
         Instructions::Avx2 if S::Scalar::IS_DOUBLE && Avx2::is_here() => {
             side_by_side::<S, Lanes<f64, 4, Avx2>>(members, time)
         }
-        _ => one_by_one(members, time),
+        _ => members.iter_mut().map(|(trajectory, state)| Run::new(trajectory, state).to(time)).collect(),
     }
 }
 
