@@ -12,10 +12,10 @@ use crate::error::{ParameterError, StepError};
 use crate::flat::{NotGenerated, array, copy};
 use crate::stepper::report::{RunError, RunReport};
 use crate::stepper::{Inputs, StepReport, Stepping};
-use crate::system::pace::{Pace, by_pace};
+use crate::system::pace::Pace;
 use crate::system::series::Coefficients;
 use crate::system::{self, Control, State};
-use crate::taylor::{self, PowerSeries, SeriesVisitor};
+use crate::taylor::{self, PowerSeries, SeriesVisitor, by_pace};
 
 /// Takes Taylor steps along one trajectory of a system, each as long as a tolerance allows: [`taylor::Adaptive`] with its types erased.
 ///

@@ -47,13 +47,85 @@ use crate::system::System;
 pub use crate::system::adaptive::Adaptive;
 use crate::system::adaptive::LEAST_ORDER;
 use crate::system::input;
-use crate::system::pace::{Pace, Wanted, by_pace};
+use crate::system::pace::{Pace, Wanted};
 use crate::system::series;
 pub use crate::system::series::PowerSeries;
 use crate::system::series::{Advance, Coefficients, Length, MOST_COEFFICIENTS, Start};
 #[doc(hidden)]
 pub use crate::system::series::{Leading, Next, SeriesVisitor};
 use crate::system::{Control, Dynamics, State};
+
+/// The calls of [`Stepping`] that are those of a pace, and of the largest that each number of an input has been:
+/// `carried` and `carried_mut` say where both are.
+macro_rules! by_pace {
+    () => {
+        fn time(&self) -> f64 {
+            self.carried().0.time()
+        }
+
+        fn set_time(&mut self, time: f64) {
+            let (pace, sizes) = self.carried_mut();
+            pace.set_time(time);
+            sizes.fill(0.0);
+        }
+
+        fn steps_taken(&self) -> u64 {
+            self.carried().0.taken
+        }
+
+        /// The length of the last step, with the sign of the way to the end that is set; before the first that way.
+        fn step_size(&self) -> f64 {
+            self.carried().0.step_size()
+        }
+
+        /// Takes steps of this length from now on, whatever the tolerance.
+        fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError> {
+            crate::stepper::check_step(step)?;
+            self.carried_mut().0.fixed = Some(step);
+            Ok(())
+        }
+
+        fn is_adaptive(&self) -> bool {
+            self.carried().0.fixed.is_none()
+        }
+
+        fn set_end(&mut self, time: f64) {
+            self.carried_mut().0.end = time;
+        }
+
+        fn has_ended(&self) -> bool {
+            self.carried().0.has_ended()
+        }
+
+        #[cfg(feature = "std")]
+        fn snapshot(&self) -> std::vec::Vec<f64> {
+            let (pace, sizes) = self.carried();
+            pace.snapshot(sizes)
+        }
+
+        fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
+            let (pace, sizes) = self.carried_mut();
+            pace.restore(sizes, memory)
+        }
+
+        fn go_on_at(&mut self, time: f64, steps: u64) {
+            let (pace, _) = self.carried_mut();
+            pace.set_time(time);
+            pace.taken = steps;
+        }
+
+        fn steps_with(
+            &mut self,
+            state: &mut <Self::System as crate::system::Dynamics>::State,
+            control: &<Self::System as crate::system::Dynamics>::Control,
+            count: u64,
+        ) -> Result<RunReport, RunError> {
+            crate::taylor::steps_with(self, state, control, count)
+        }
+    };
+}
+#[cfg(feature = "std")]
+pub(crate) use by_pace;
 
 impl<S: PowerSeries> Adaptive<S> {
     /// Takes steps of this order, whatever the tolerance: from 4 to 32.
