@@ -5,6 +5,10 @@ use crate::error::{ParameterError, StepError};
 
 /// The time of a trajectory, and what is asked of the length of its steps.
 #[doc(hidden)]
+#[cfg_attr(
+    not(feature = "std"),
+    allow(unreachable_pub, reason = "without std there are no systems whose types are erased")
+)]
 #[derive(Clone, Copy, Debug)]
 pub struct Pace {
     /// A step that is always the same, if it is.
