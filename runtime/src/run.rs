@@ -483,6 +483,23 @@ where
         self.doing(watched)
     }
 
+    /// As [`on`](Self::on), for a list of events of the description: each with its place among them, which of its zeros count, and its callback.
+    #[cfg(feature = "std")]
+    pub fn on_each<F>(
+        self,
+        events: impl IntoIterator<Item = (usize, Event, F)>,
+    ) -> Doing<'a, T, O, C, W, std::vec::Vec<Watched<Described, F>>>
+    where
+        F: FnMut(&mut Occurrence<'_, S>),
+    {
+        let count = self.stepper.system().events().len();
+        let watched = events.into_iter().map(|(place, event, action)| {
+            let place = if place < count { place } else { usize::MAX };
+            Watched::new(event, Described(place), action)
+        });
+        self.doing(watched.collect())
+    }
+
     /// Shows the states at these times to `observer`, whatever steps are taken: they are those [within](crate::Interval) the steps, which stay as they are.
     ///
     /// Times are in the order of the run. Those behind its start, or behind others, are left out, and so are those that it does not reach.

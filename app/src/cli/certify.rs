@@ -119,7 +119,7 @@ fn in_short(report: &Report) -> Report {
 const LEGEND: [(&str, &str); 22] = [
     ("order", "the error falls with this power of the step"),
     ("group", "how far states are off it, at every tolerance"),
-    ("error by tolerance", "of the trajectory, in units of the tolerance"),
+    ("error by tolerance", "of each step, in units of the tolerance"),
     ("energy by tolerance", "the energy's, likewise"),
     ("consistency", "short steps follow the equations of motion"),
     ("Poisson map", "a step keeps the Poisson structure: it is symplectic"),

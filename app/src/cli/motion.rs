@@ -36,7 +36,7 @@ pub(crate) struct ChosenRun {
     /// before them a name and a unit may stand: `'height, m = gamma.dot(&chi)'`.
     #[arg(long, value_name = "EXPRESSION")]
     pub(crate) quantity: Vec<String>,
-    /// End at the moment from which on this holds: `gamma_z < 0`
+    /// End at the moment from which on this holds, `gamma_z < 0`, or at an event of the description, `apogee`
     #[arg(long, value_name = "CONDITION")]
     pub(crate) until: Option<String>,
     /// Tell when a quantity is zero: `'upright = gamma_z, rising'`

@@ -24,7 +24,7 @@ use crate::page::{PageHeading, page};
 use crate::picture::{Kind, run_figure};
 use crate::record::{Curves, PageRecorder, RecordedEvent, Recorders};
 use crate::scene;
-use crate::setup::{Column, Format, Job, Moments, Setup, condition, margin, observables};
+use crate::setup::{Column, Format, Job, Moments, Setup, Until, observables};
 use crate::simulate::{
     Checkpoint, ErrorEstimate, Sample, Seen, Within, beyond_series, conserves_energy, energy_size,
     error_estimate, simulate_within, slowed,
@@ -48,7 +48,7 @@ pub struct Plan {
     pub columns: Vec<Column>,
     /// Quantities of a user's own, as expressions.
     pub quantity: Vec<String>,
-    /// The condition that ends it, at the moment from which on it holds.
+    /// What ends it: a condition, at the moment from which on it holds, or an event of the description.
     pub until: Option<String>,
     /// What is looked at within its steps.
     pub moments: Moments,
@@ -245,8 +245,7 @@ impl Session {
         let mut is_new = from.is_none();
         let mut failure = None;
         // an error's peak may be as short as one step, but to look at a step takes several times as long as the step
-        let until = self.plan.until.as_deref().map(|text| condition(&entry, text)).transpose()?;
-        let margin = self.plan.until.as_deref().map(|text| margin(&entry, text)).transpose()?;
+        let until = self.plan.until.as_deref().map(|text| Until::parse(&entry, text)).transpose()?;
         let events = self.plan.moments.events(&entry)?;
         let times = self.plan.moments.times(&job)?;
         let is_watched = self.plan.watch || until.is_some() || times.is_some();
@@ -256,7 +255,8 @@ impl Session {
             after(interval).min(after(INTERVAL))
         };
         let ended = Cell::new(false);
-        let within = Within { until: margin.as_ref(), events: &events, times: times.as_ref(), ended: &ended };
+        let until_event = until.as_ref().map(|until| &until.event);
+        let within = Within { until: until_event, events: &events, times: times.as_ref(), ended: &ended };
         let simulated =
             simulate_within(&entry, &setup, &job, from.as_ref(), &next, &within, &mut |seen, sample| {
                 match seen {
@@ -282,8 +282,9 @@ impl Session {
                 }
                 // at the start, or by a jump
                 let controls = &sample.numbers[sample.state.len()..];
-                let holds = until.as_ref().is_some_and(|until| {
-                    until.value(&*self.system, sample.state, sample.time, controls) != 0.0
+                let condition = until.as_ref().and_then(|until| until.condition.as_ref());
+                let holds = condition.is_some_and(|condition| {
+                    condition.value(&*self.system, sample.state, sample.time, controls) != 0.0
                 });
                 ended.set(ended.get() || holds);
                 self.ended = ended.get();
@@ -417,9 +418,12 @@ impl Session {
         }
         let too_far = [slowed, beyond_series].map(|note| note(&entry, &plan.setup, &plan.job, (time, &end)));
         let kept = kept.iter().map(|path| format!("{} holds the whole run, and stays", path.display()));
-        let until = plan.until.iter().map(|until| match ended {
-            true => format!("`{until}` holds from {time} s on, in step {steps}: there the run ends"),
-            false => format!("`{until}` holds after none of {steps} steps"),
+        let is_event = |until: &str| Until::parse(&entry, until).is_ok_and(|until| until.condition.is_none());
+        let until = plan.until.iter().map(|until| match (is_event(until), ended) {
+            (false, true) => format!("`{until}` holds from {time} s on, in step {steps}: there the run ends"),
+            (false, false) => format!("`{until}` holds after none of {steps} steps"),
+            (true, true) => format!("`{until}` comes at {time} s, in step {steps}: there the run ends"),
+            (true, false) => format!("`{until}` comes in none of {steps} steps"),
         });
         let notes = kept.chain(too_far.into_iter().flatten()).chain(until).collect();
         let events = recorders.events;
@@ -471,7 +475,7 @@ fn observed(entry: &Entry, plan: &Plan) -> Result<Entry, SetupError> {
         )));
     }
     let entry = entry.clone().with_observables(own);
-    plan.until.as_deref().map_or(Ok(()), |text| condition(&entry, text).map(|_| ()))?;
+    plan.until.as_deref().map_or(Ok(()), |text| Until::parse(&entry, text).map(|_| ()))?;
     plan.moments.events(&entry)?;
     plan.moments.times(&plan.job)?;
     Ok(entry)

@@ -257,7 +257,7 @@ order = 2                    # 2; 4, 6, 8 and 10 are composed of its steps, or t
 every = 1                    # write the state after every so many steps
 # at = [0.1, 0.25]           # or at these times, s, or every_seconds = 0.1
 event = []                   # tell when a quantity is zero: \"upright = gamma_z, rising\"
-# until = \"energy < 0.5\"     # end at the moment from which on this holds
+# until = \"energy < 0.5\"     # end at the moment from which on this holds, or at an event of the description
 quantity = []                # of your own, in tables, plots and pages: \"tilt, rad = gamma_z.acos()\"
 columns = []                 # and beside it any of \"velocity\", \"euler\", \"rotvec\", \"mrp\", \"angle\"
 format = \"csv\"               # csv, json or parquet

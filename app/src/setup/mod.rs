@@ -27,7 +27,7 @@ pub(crate) use expression::{condition, margin, observable, observables};
 pub(crate) use method::MethodParser;
 pub use method::{Classical, Method, Tolerance};
 pub use moments::Moments;
-pub(crate) use moments::{Times, WatchedEvent};
+pub(crate) use moments::{Times, Until, WatchedEvent};
 pub(crate) use names::Names;
 pub(crate) use scan::Scan;
 pub use spread::{SampledRange, Variation};

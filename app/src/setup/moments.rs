@@ -3,7 +3,7 @@
 use coadjoint::{Event, erased};
 use serde::{Deserialize, Serialize};
 
-use super::{Job, observable};
+use super::{Job, condition, margin, observable};
 use crate::catalogue::suggest::closest;
 use crate::catalogue::{Entry, Observable};
 use crate::error::SetupError;
@@ -116,39 +116,74 @@ fn or_an_event(entry: &Entry, body: &str, error: SetupError) -> SetupError {
 pub(crate) struct WatchedEvent {
     pub(crate) quantity: Observable,
     pub(crate) event: Event,
+    /// Its place among those of the description, if it is one of them.
+    pub(crate) place: Option<usize>,
 }
 
 impl WatchedEvent {
     /// Reads `EXPRESSION`, `NAME = EXPRESSION`, or the name of an event of the description, each with `, rising` or `, falling` behind it.
     fn parse(entry: &Entry, text: &str) -> Result<Self, SetupError> {
-        let directions = [
-            ("rising", Event::rising()),
-            ("falling", Event::falling()),
-            ("any", Event::any()),
-            ("both", Event::any()),
-        ];
-        let behind = text.rsplit_once(',').and_then(|(before, word)| {
-            let known = directions.iter().find(|(name, _)| *name == word.trim());
-            known.map(|(_, event)| (before, *event))
-        });
-        let body = behind.map_or(text, |(body, _)| body);
-        let direction = behind.map(|(_, event)| event);
-        let described = entry.description.events.iter().enumerate();
-        if let Some((place, (name, event))) =
-            described.into_iter().find(|(_, (name, _))| *name == body.trim())
-        {
-            let of = move |system: &dyn erased::System, state: &[f64], time: f64, control: &[f64]| {
-                system.event(place, state, time, control)
-            };
-            let quantity = Observable::new(name, String::new(), of);
-            return Ok(Self { quantity, event: direction.unwrap_or(*event) });
+        if let Some(described) = Self::described(entry, text) {
+            return Ok(described);
         }
+        let (body, direction) = with_direction(text);
         let quantity = observable(entry, body).map_err(|error| or_an_event(entry, body, error))?;
-        Ok(Self { quantity, event: direction.unwrap_or(Event::any()) })
+        Ok(Self { quantity, event: direction.unwrap_or(Event::any()), place: None })
+    }
+
+    /// The event of the description of this name.
+    fn described(entry: &Entry, text: &str) -> Option<Self> {
+        let (body, direction) = with_direction(text);
+        let mut described = entry.description.events.iter().enumerate();
+        let (place, (name, event)) = described.find(|(_, (name, _))| *name == body.trim())?;
+        let of = move |system: &dyn erased::System, state: &[f64], time: f64, control: &[f64]| {
+            system.event(place, state, time, control)
+        };
+        let quantity = Observable::new(name, String::new(), of);
+        Some(Self { quantity, event: direction.unwrap_or(*event), place: Some(place) })
     }
 
     /// Its name.
     pub(crate) fn name(&self) -> &str {
         &self.quantity.name
+    }
+}
+
+/// Takes the direction off the end of an event, if there is one.
+fn with_direction(text: &str) -> (&str, Option<Event>) {
+    let directions = [
+        ("rising", Event::rising()),
+        ("falling", Event::falling()),
+        ("any", Event::any()),
+        ("both", Event::any()),
+    ];
+    let behind = text.rsplit_once(',').and_then(|(before, word)| {
+        let known = directions.iter().find(|(name, _)| *name == word.trim());
+        known.map(|(_, event)| (before, Some(*event)))
+    });
+    behind.unwrap_or((text, None))
+}
+
+/// What ends a run.
+#[derive(Clone, Debug)]
+pub(crate) struct Until {
+    /// Where it holds already the run ends at its start: of a condition.
+    pub(crate) condition: Option<Observable>,
+    /// Where it comes to hold.
+    pub(crate) event: WatchedEvent,
+}
+
+impl Until {
+    /// Reads a condition, or the name of an event of the description.
+    ///
+    /// # Errors
+    /// As [`condition`].
+    pub(crate) fn parse(entry: &Entry, text: &str) -> Result<Self, SetupError> {
+        if let Some(event) = WatchedEvent::described(entry, text) {
+            return Ok(Self { condition: None, event });
+        }
+        let condition = condition(entry, text)?;
+        let event = WatchedEvent { quantity: margin(entry, text)?, event: Event::rising(), place: None };
+        Ok(Self { condition: Some(condition), event })
     }
 }

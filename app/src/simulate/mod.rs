@@ -20,7 +20,7 @@ use coadjoint::erased::{self, StepperError};
 use coadjoint::observe::Observer;
 use coadjoint::scheme::Rule;
 use coadjoint::system::{Quantity, Role};
-use coadjoint::{Crossing, Event, Run, Scheme, Tick};
+use coadjoint::{Crossing, Run, Scheme, Tick};
 use serde::{Deserialize, Serialize};
 
 pub use certify::{certify, states_in_motion};
@@ -187,8 +187,8 @@ pub fn simulate(
 
 /// What is looked at within the steps of a run.
 pub(crate) struct Within<'a> {
-    /// What becomes positive where the run is to end.
-    pub(crate) until: Option<&'a Observable>,
+    /// What ends the run.
+    pub(crate) until: Option<&'a WatchedEvent>,
     pub(crate) events: &'a [WatchedEvent],
     /// Times at which there are samples besides those of steps.
     pub(crate) times: Option<&'a Times>,
@@ -243,26 +243,34 @@ pub(crate) fn simulate_within(
         let value = |of: &Observable, state: &[f64], time: f64| {
             of.value(&*system, state, time, &looker.controls(state, time))
         };
-        let until = within.until.map(|until| (Event::rising().terminal(), None, until));
-        let events = within.events.iter().map(|event| (event.event, Some(event), &event.quantity));
-        let watches = until.into_iter().chain(events).map(|(event, watched, of)| {
-            let value = &value;
-            let condition = move |state: &Vec<f64>, time: f64| value(of, state, time);
-            let looker = &looker;
-            let action = move |occurrence: &mut coadjoint::Occurrence<'_, dyn erased::System>| match watched {
-                None => within.ended.set(true),
-                Some(event) => {
-                    let seen = Seen::Event(event, occurrence.crossing());
-                    let tick = Tick::new(occurrence.system(), 0, occurrence.time(), occurrence.state());
-                    if looker.look(seen, &tick).is_break() {
-                        occurrence.stop();
-                    }
+        let until = within.until.map(|until| (true, until));
+        let all = until.into_iter().chain(within.events.iter().map(|event| (false, event)));
+        let (described, others): (Vec<_>, Vec<_>) = all.partition(|(_, event)| event.place.is_some());
+        let action = |is_until: bool, event: &'_ WatchedEvent| {
+            let (looker, event) = (&looker, event.clone());
+            move |occurrence: &mut coadjoint::Occurrence<'_, dyn erased::System>| {
+                if is_until {
+                    within.ended.set(true);
+                    occurrence.stop();
+                    return;
                 }
-            };
-            (event, condition, action)
+                let seen = Seen::Event(&event, occurrence.crossing());
+                let tick = Tick::new(occurrence.system(), 0, occurrence.time(), occurrence.state());
+                if looker.look(seen, &tick).is_break() {
+                    occurrence.stop();
+                }
+            }
+        };
+        let others = others.into_iter().map(|(is_until, watched)| {
+            let (value, of) = (&value, &watched.quantity);
+            let condition = move |state: &Vec<f64>, time: f64| value(of, state, time);
+            (watched.event, condition, action(is_until, watched))
         });
-        let run =
-            Run::new(stepper, state).save_at(times, AtTimes(&looker)).events(watches).observe(&mut watched);
+        let described = described.into_iter().filter_map(|(is_until, watched)| {
+            Some((watched.place?, watched.event, action(is_until, watched)))
+        });
+        let run = Run::new(stepper, state).save_at(times, AtTimes(&looker));
+        let run = run.events(others).on_each(described).observe(&mut watched);
         match &law {
             Some(law) if setup.input.is_some() => {
                 run.driven_by(|time| entry.chosen(law, (&[], time))).steps(steps)

@@ -20,8 +20,9 @@ pub(super) fn stepper(
     input: Option<Arc<Input>>,
     step: f64,
 ) -> Result<erased::Stepper, RunError> {
-    let series = Mutex::new(erased::Adaptive::new(system.clone(), tolerance.value())?);
-    let stepper = erased::Stepper::from_fn(system, step, move |_, at: &At<'_>, next| {
+    let new = || erased::Adaptive::new(system.clone(), tolerance.value());
+    let (series, of_events) = (Mutex::new(new()?), new()?);
+    let stepper = erased::Stepper::from_fn(system.clone(), step, move |_, at: &At<'_>, next| {
         // what is left behind by one that failed is set anew
         let mut series = series.lock().unwrap_or_else(PoisonError::into_inner);
         Stepping::set_time(&mut *series, at.time);
@@ -42,5 +43,5 @@ pub(super) fn stepper(
         next.copy_from_slice(&state);
         Ok::<u32, StepError>(report.steps.try_into().unwrap_or(u32::MAX))
     });
-    Ok(stepper.map_err(StepperError::from)?)
+    Ok(stepper.map_err(StepperError::from)?.with_series(of_events))
 }

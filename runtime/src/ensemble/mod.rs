@@ -58,11 +58,11 @@ use thiserror::Error;
 
 use crate::error::{ParameterError, StepError};
 use crate::flat::{Flat, Method, NotGenerated};
+pub use crate::scalar::instructions::Instructions;
 use crate::scalar::{Batch, Components, Real, Scalar, mapped};
 use crate::stepper::{check_state, check_step};
 use crate::system::{Control, Discretized, State, System};
 pub use initial::{normal, uniform};
-pub use members::Instructions;
 use members::{Builder, Choose, Law, Member, Members};
 pub use spread::Spread;
 pub use statistics::Statistics;

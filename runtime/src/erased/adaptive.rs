@@ -12,9 +12,10 @@ use crate::error::{ParameterError, StepError};
 use crate::flat::{NotGenerated, array, copy};
 use crate::stepper::report::{RunError, RunReport};
 use crate::stepper::{Inputs, StepReport, Stepping};
+use crate::system::pace::Pace;
 use crate::system::series::Coefficients;
 use crate::system::{self, Control, State};
-use crate::taylor::{self, PowerSeries, SeriesVisitor};
+use crate::taylor::{self, PowerSeries, SeriesVisitor, by_pace};
 
 /// Takes Taylor steps along one trajectory of a system, each as long as a tolerance allows: [`taylor::Adaptive`] with its types erased.
 ///
@@ -48,17 +49,12 @@ pub struct Adaptive {
 /// What takes Taylor steps, on slices.
 #[doc(hidden)]
 pub trait TaylorSteps: Send + Sync {
-    fn time(&self) -> f64;
-    fn set_time(&mut self, time: f64);
-    fn steps_taken(&self) -> u64;
+    /// The time, and the largest that each number of an input has been.
+    fn carried(&self) -> (&Pace, &[f64]);
+    /// The same.
+    fn carried_mut(&mut self) -> (&mut Pace, &mut [f64]);
     fn order(&self) -> usize;
     fn set_order(&mut self, order: usize);
-    fn step_size(&self) -> f64;
-    fn is_adaptive(&self) -> bool;
-    fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError>;
-    fn set_end(&mut self, time: f64);
-    fn has_ended(&self) -> bool;
-    fn go_on_at(&mut self, time: f64, steps: u64);
     fn step_beside(
         &self,
         state: &mut [f64],
@@ -78,47 +74,17 @@ pub trait TaylorSteps: Send + Sync {
         control: &[f64],
         coefficients: &mut Coefficients,
     ) -> Option<usize>;
-    fn snapshot(&self) -> Vec<f64>;
-    fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError>;
     fn step_with(&mut self, state: &mut [f64], control: &[f64]) -> Result<f64, StepError>;
     fn at(&self, share: f64) -> Option<Vec<f64>>;
 }
 
 impl<S: PowerSeries<Scalar = f64> + Send + Sync> TaylorSteps for taylor::Adaptive<S> {
-    fn time(&self) -> f64 {
-        Stepping::time(self)
+    fn carried(&self) -> (&Pace, &[f64]) {
+        Self::carried(self)
     }
 
-    fn set_time(&mut self, time: f64) {
-        Stepping::set_time(self, time);
-    }
-
-    fn steps_taken(&self) -> u64 {
-        Stepping::steps_taken(self)
-    }
-
-    fn step_size(&self) -> f64 {
-        Stepping::step_size(self)
-    }
-
-    fn is_adaptive(&self) -> bool {
-        Stepping::is_adaptive(self)
-    }
-
-    fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError> {
-        Stepping::set_step_size(self, step)
-    }
-
-    fn set_end(&mut self, time: f64) {
-        Stepping::set_end(self, time);
-    }
-
-    fn has_ended(&self) -> bool {
-        Stepping::has_ended(self)
-    }
-
-    fn go_on_at(&mut self, time: f64, steps: u64) {
-        Stepping::go_on_at(self, time, steps);
+    fn carried_mut(&mut self) -> (&mut Pace, &mut [f64]) {
+        Self::carried_mut(self)
     }
 
     fn step_beside(
@@ -165,14 +131,6 @@ impl<S: PowerSeries<Scalar = f64> + Send + Sync> TaylorSteps for taylor::Adaptiv
         let state = S::State::from_components(&array(state));
         let control = S::Control::from_components(&array(control));
         Stepping::event_series(self, event, &state, from, Inputs::Held(&control), coefficients)
-    }
-
-    fn snapshot(&self) -> Vec<f64> {
-        Stepping::snapshot(self)
-    }
-
-    fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
-        Stepping::restore(self, memory)
     }
 
     fn order(&self) -> usize {
@@ -244,7 +202,7 @@ impl Adaptive {
 
     /// The time at which the next step starts.
     pub fn time(&self) -> f64 {
-        self.steps.time()
+        self.carried().0.time()
     }
 
     /// Takes one step with `control` held. Returns its length: see [`taylor::Adaptive::step_with`].
@@ -254,6 +212,14 @@ impl Adaptive {
     pub fn step_with(&mut self, state: &mut [f64], control: &[f64]) -> Result<f64, StepError> {
         check_length(state, length(self.system.description().state))?;
         self.steps.step_with(state, control)
+    }
+
+    fn carried(&self) -> (&Pace, &[f64]) {
+        self.steps.carried()
+    }
+
+    fn carried_mut(&mut self) -> (&mut Pace, &mut [f64]) {
+        self.steps.carried_mut()
     }
 
     /// The state within the last step: see [`taylor::Adaptive::at`].
@@ -269,37 +235,7 @@ impl Stepping for Adaptive {
         &*self.system
     }
 
-    fn time(&self) -> f64 {
-        self.steps.time()
-    }
-
-    fn set_time(&mut self, time: f64) {
-        self.steps.set_time(time);
-    }
-
-    fn steps_taken(&self) -> u64 {
-        self.steps.steps_taken()
-    }
-
-    fn step_size(&self) -> f64 {
-        self.steps.step_size()
-    }
-
-    fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError> {
-        self.steps.set_step_size(step)
-    }
-
-    fn is_adaptive(&self) -> bool {
-        self.steps.is_adaptive()
-    }
-
-    fn set_end(&mut self, time: f64) {
-        self.steps.set_end(time);
-    }
-
-    fn has_ended(&self) -> bool {
-        self.steps.has_ended()
-    }
+    by_pace!();
 
     fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), ParameterError> {
         let (expected, got) = (self.system.parameters().len(), parameters.len());
@@ -307,10 +243,10 @@ impl Stepping for Adaptive {
             return Err(ParameterError::Length { expected, got });
         }
         let system = self.system.with_parameters(parameters);
-        let (tolerance, memory) = (self.tolerance, self.steps.snapshot());
+        let (tolerance, memory) = (self.tolerance, self.snapshot());
         let series = system.power_series(tolerance).ok_or(ParameterError::Tolerance { tolerance })?;
         (self.system, self.steps) = (system, series?);
-        self.steps.restore(&memory)
+        self.restore(&memory)
     }
 
     fn step_beside(
@@ -335,18 +271,6 @@ impl Stepping for Adaptive {
         self.steps.event_series(event, state, from, control, coefficients)
     }
 
-    fn go_on_at(&mut self, time: f64, steps: u64) {
-        self.steps.go_on_at(time, steps);
-    }
-
-    fn snapshot(&self) -> Vec<f64> {
-        self.steps.snapshot()
-    }
-
-    fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
-        self.steps.restore(memory)
-    }
-
     fn step_with(&mut self, state: &mut Vec<f64>, control: &Vec<f64>) -> Result<StepReport, StepError> {
         Self::step_with(self, state, control).map(|_| taylor::EXPLICIT)
     }
@@ -359,16 +283,9 @@ impl Stepping for Adaptive {
         check_length(state, length(self.system.description().state))?;
         self.steps.step_driven(state, input)
     }
-
-    fn steps_with(
-        &mut self,
-        state: &mut Vec<f64>,
-        control: &Vec<f64>,
-        count: u64,
-    ) -> Result<RunReport, RunError> {
-        taylor::steps_with(self, state, control, count)
-    }
 }
+
+impl taylor::Beside for Adaptive {}
 
 impl fmt::Debug for Adaptive {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

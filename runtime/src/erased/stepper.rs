@@ -8,6 +8,7 @@ use std::vec::Vec;
 use nalgebra::DVector;
 use thiserror::Error;
 
+use super::adaptive::Adaptive;
 use super::composition;
 use super::field::ByFunction;
 use super::jacobian::{self, Jacobian, JacobianError};
@@ -22,6 +23,7 @@ use crate::stepper::report::{RunError, RunReport};
 use crate::stepper::stepping::as_by_itself;
 use crate::stepper::{Inputs, StepReport, Stepping, check_deviation, check_step, trajectory};
 use crate::system::Dynamics;
+use crate::system::series::Coefficients;
 
 /// Takes steps of one size through the motion of one system, with one scheme: [`Stepper`](crate::Stepper) with its types erased.
 pub struct Stepper {
@@ -45,6 +47,8 @@ pub struct Stepper {
     is_own: bool,
     /// Where the next step leads to, until it is known to succeed.
     next: Vec<f64>,
+    /// What knows the power series of events within the steps, if they are made of Taylor steps.
+    series: Option<Adaptive>,
 }
 
 /// Makes what takes the steps of a system of this size; none if they were not generated.
@@ -143,7 +147,28 @@ impl Stepper {
         let left = std::vec![0.0; length(system.description().state)];
         let (next, scheme) = (left.clone(), None);
         let (start, taken, before, has_left, is_own) = (0.0, 0, 0, false, false);
-        Ok(Self { system, scheme, make, method, step, start, taken, before, has_left, left, is_own, next })
+        let series = None;
+        Ok(Self {
+            system,
+            scheme,
+            make,
+            method,
+            step,
+            start,
+            taken,
+            before,
+            has_left,
+            left,
+            is_own,
+            next,
+            series,
+        })
+    }
+
+    /// Looks for events of the description in their power series, as Taylor steps do.
+    #[doc(hidden)]
+    pub fn with_series(self, series: Adaptive) -> Self {
+        Self { series: Some(series), ..self }
     }
 
     /// The system.
@@ -180,8 +205,11 @@ impl Stepper {
         let system = self.system.with_parameters(parameters);
         system.validate()?;
         let step = self.step;
-        self.method = Mutex::new((self.make)(&system, step).ok_or(ParameterError::Step { step })?);
-        (self.system, self.has_left) = (system, false);
+        let method = (self.make)(&system, step).ok_or(ParameterError::Step { step })?;
+        if let Some(series) = &mut self.series {
+            Stepping::set_parameters(series, parameters)?;
+        }
+        (self.method, self.system, self.has_left) = (Mutex::new(method), system, false);
         Ok(())
     }
 
@@ -559,6 +587,17 @@ impl Stepping for Stepper {
         let Advanced { iterations, residual, .. } = outcome.map_err(|failure| failure.first())?;
         *state = next;
         Ok(StepReport { iterations: iterations.iter().sum(), residual })
+    }
+
+    fn event_series(
+        &self,
+        event: usize,
+        state: &Vec<f64>,
+        from: (f64, f64),
+        input: Inputs<'_, Vec<f64>>,
+        coefficients: &mut Coefficients,
+    ) -> Option<usize> {
+        self.series.as_ref()?.event_series(event, state, from, input, coefficients)
     }
 
     fn go_on_at(&mut self, time: f64, steps: u64) {

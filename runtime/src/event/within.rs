@@ -364,6 +364,9 @@ impl<S: Dynamics + ?Sized, X: Within<S>> Within<S> for std::vec::Vec<X> {
     fn events(&self) -> usize {
         self.iter().map(X::events).sum()
     }
+    fn is_there(&self) -> bool {
+        self.iter().all(X::is_there)
+    }
     fn start(&mut self) {
         self.iter_mut().for_each(X::start);
     }

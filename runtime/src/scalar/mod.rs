@@ -7,6 +7,8 @@ use nalgebra::RealField;
 pub(crate) mod blocks;
 pub(crate) mod bounded;
 mod components;
+#[cfg(feature = "std")]
+pub(crate) mod instructions;
 pub(crate) mod rows;
 pub(crate) mod simd;
 pub(crate) mod stumpff;

@@ -4,8 +4,13 @@ use super::series::Length;
 use crate::error::{ParameterError, StepError};
 
 /// The time of a trajectory, and what is asked of the length of its steps.
+#[doc(hidden)]
+#[cfg_attr(
+    not(feature = "std"),
+    allow(unreachable_pub, reason = "without std there are no systems whose types are erased")
+)]
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pace {
+pub struct Pace {
     /// A step that is always the same, if it is.
     pub(crate) fixed: Option<f64>,
     /// No step is longer.
@@ -164,17 +169,25 @@ impl Pace {
         start == self.from && self.last.is_some_and(|last| (0.0..=1.0).contains(&(length / last)))
     }
 
+    /// All that is carried from one step to the next, with the largest that each number of an input has been.
     #[cfg(feature = "std")]
-    pub(crate) fn snapshot(&self) -> [f64; Self::MEMORY] {
-        [self.time[0], self.time[1], self.taken as f64, self.last.unwrap_or(0.0)]
+    pub(crate) fn snapshot(&self, sizes: &[f64]) -> std::vec::Vec<f64> {
+        let own = [self.time[0], self.time[1], self.taken as f64, self.last.unwrap_or(0.0)];
+        own.into_iter().chain(sizes.iter().copied()).collect()
     }
 
-    pub(crate) fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
-        let &[high, low, taken, last] = memory else {
-            return Err(ParameterError::Snapshot { expected: Self::MEMORY, got: memory.len() });
+    /// Takes that back.
+    pub(crate) fn restore(&mut self, sizes: &mut [f64], memory: &[f64]) -> Result<(), ParameterError> {
+        let expected = Self::MEMORY + sizes.len();
+        let [high, low, taken, last, known @ ..] = memory else {
+            return Err(ParameterError::Snapshot { expected, got: memory.len() });
         };
-        (self.time, self.taken, self.from) = ([high, low], taken as u64, f64::NAN);
-        self.last = Some(last).filter(|last| *last != 0.0);
+        if memory.len() != expected {
+            return Err(ParameterError::Snapshot { expected, got: memory.len() });
+        }
+        sizes.copy_from_slice(known);
+        (self.time, self.taken, self.from) = ([*high, *low], *taken as u64, f64::NAN);
+        self.last = Some(*last).filter(|last| *last != 0.0);
         Ok(())
     }
 }

@@ -6,7 +6,7 @@ use super::System;
 use super::input::Polynomial;
 use crate::kernel::Blocks;
 use crate::scalar::simd::lanes::Processor;
-use crate::scalar::{Components, LongWork, Real, Scalar};
+use crate::scalar::{Batch, Components, LongWork, Real, Scalar};
 
 /// The highest order of a Taylor step: more than doubles have digits for.
 pub(crate) const MOST_COEFFICIENTS: usize = 32;
@@ -29,6 +29,8 @@ pub trait PowerSeries: System {
     type Coefficients<T: Scalar>: Components<T>;
     /// A number for each lane, and some that are nobody's: so many that they fill registers.
     type Lanes<T: Scalar>: Components<T>;
+    /// A number for each different operand of the lanes.
+    type Operands<T: Scalar>: Components<T>;
     /// The velocity at the start, where it has a series; else nothing.
     type Velocity<T: Scalar>: Components<T>;
     /// A number for each event of the description that has a series.
@@ -63,6 +65,12 @@ pub trait PowerSeries: System {
         sums: &Self::Lanes<T>,
         order: T,
     ) -> Next<Self, T>;
+    /// Both operands of each lane.
+    fn lanes<T: Scalar>(operands: &Self::Operands<T>) -> [Self::Lanes<T>; 2];
+    /// The sums of the products of all lanes, from one pair of orders to the next.
+    fn sums<'s, T: Scalar>(
+        terms: impl Iterator<Item = (&'s Self::Operands<T>, &'s Self::Operands<T>)> + Clone,
+    ) -> Self::Lanes<T>;
     /// The state where the step has come to.
     fn finish<T: Scalar>(kept: &Self::Kept<T>, end: &Self::Coefficients<T>) -> Self::StateComponents<T>;
 }
@@ -93,8 +101,8 @@ pub struct Leading<S: PowerSeries, T: Scalar> {
 pub struct Next<S: PowerSeries, T: Scalar> {
     /// Of the changes of what has a series.
     pub change: S::Coefficients<T>,
-    /// Of both operands of all lanes.
-    pub operands: [S::Lanes<T>; 2],
+    /// Of the operands of the lanes.
+    pub operands: S::Operands<T>,
     /// Of the events.
     pub events: S::Events<T>,
 }
@@ -119,81 +127,68 @@ impl<S: PowerSeries, T: Scalar> fmt::Debug for Leading<S, T> {
 #[repr(align(64))]
 struct Row<L>(L);
 
-/// The power series of one step, and room for what they are made of.
-pub(crate) struct Series<S: PowerSeries, T: Scalar> {
-    kept: S::Kept<T>,
+/// Where there is room for all orders.
+pub(crate) trait Room {
+    /// Something for each order.
+    type Orders<X: Copy + Send + Sync>: AsRef<[X]> + AsMut<[X]> + Clone + Send + Sync;
+    /// What is multiplied.
+    type Factors<S: PowerSeries, T: Batch>: Factors<S, T>;
+    /// The same for each order.
+    fn all<X: Copy + Send + Sync>(value: X) -> Self::Orders<X>;
+}
+
+/// The operands of all lanes, order by order.
+pub(crate) trait Factors<S: PowerSeries, T: Batch>: Clone + Send + Sync {
+    fn new() -> Self;
+    /// Puts those of an order in their place.
+    fn put(&mut self, order: usize, operands: &S::Operands<T>);
+    /// `Σ_j a_j b_{k−j}` from 1 to `k − 1` of all lanes, in this order.
+    fn sums<P: Processor>(&self, k: usize) -> S::Lanes<T>;
+}
+
+/// Room within the series, for numbers alone.
+pub(crate) struct Within;
+
+impl Room for Within {
+    type Orders<X: Copy + Send + Sync> = [X; MOST_COEFFICIENTS + 1];
+    type Factors<S: PowerSeries, T: Batch> = Rows<S, T>;
+
+    #[inline(always)]
+    fn all<X: Copy + Send + Sync>(value: X) -> Self::Orders<X> {
+        [value; MOST_COEFFICIENTS + 1]
+    }
+}
+
+/// Both operands of all lanes, whose sums are side by side in registers.
+pub(crate) struct Rows<S: PowerSeries, T: Batch> {
     left: [Row<S::Lanes<T>>; MOST_COEFFICIENTS],
     right: [Row<S::Lanes<T>>; MOST_COEFFICIENTS],
-    coefficients: [S::Coefficients<T>; MOST_COEFFICIENTS + 1],
-    events: [S::Events<T>; MOST_COEFFICIENTS],
-    order: usize,
 }
 
-impl<S: PowerSeries, T: Scalar> Clone for Series<S, T> {
+impl<S: PowerSeries, T: Batch> Clone for Rows<S, T> {
     fn clone(&self) -> Self {
-        let Self { kept, left, right, coefficients, events, order } = *self;
-        Self { kept, left, right, coefficients, events, order }
+        Self { left: self.left, right: self.right }
     }
 }
 
-impl<S: PowerSeries, T: Real> Series<S, T> {
-    /// Room for series of this order.
-    pub(crate) fn new(order: usize) -> Self {
-        let zero = T::of(0.0);
-        let rows = [Row(S::Lanes::splat(zero)); MOST_COEFFICIENTS];
-        let coefficients = [S::Coefficients::splat(zero); MOST_COEFFICIENTS + 1];
-        let events = [S::Events::splat(zero); MOST_COEFFICIENTS];
-        Self { kept: S::Kept::splat(zero), left: rows, right: rows, coefficients, events, order }
+impl<S: PowerSeries, T: Batch> Factors<S, T> for Rows<S, T> {
+    fn new() -> Self {
+        let rows = [Row(S::Lanes::splat(T::of(0.0))); MOST_COEFFICIENTS];
+        Self { left: rows, right: rows }
     }
 
-    pub(crate) fn order(&self) -> usize {
-        self.order
-    }
-
-    pub(crate) fn set_order(&mut self, order: usize) {
-        self.order = order;
-    }
-
-    /// Computes all coefficients of the motion from a state on.
     #[inline(always)]
-    fn expand<P: Processor>(&mut self, start: &Start<'_, S, T>) {
-        let Start { parameters, state, time, control, velocity, input } = start;
-        let Leading { kept, start, change, events } = S::leading(parameters, state, *time, control, velocity);
-        self.kept = kept;
-        (self.coefficients[0], self.coefficients[1], self.events[0]) = (start, change, events);
-        self.drive(*input, 1);
-        for k in 1..self.order.min(MOST_COEFFICIENTS) {
-            let sums = self.multiply::<P>(k);
-            let Next { mut change, operands: [left, right], events } =
-                S::next(&self.kept, &self.coefficients[k], &sums, T::of(k as f64));
-            (self.left[k].0, self.right[k].0, self.events[k]) = (left, right, events);
-            let share = T::of(1.0 / (k as f64 + 1.0));
-            for x in change.as_mut() {
-                *x = *x * share;
-            }
-            self.coefficients[k + 1] = change;
-            self.drive(*input, k + 1);
-        }
+    fn put(&mut self, order: usize, operands: &S::Operands<T>) {
+        [self.left[order].0, self.right[order].0] = S::lanes(operands);
     }
 
-    /// Puts the coefficients of one order of an input in the place of those of controls that are held.
     #[inline(always)]
-    fn drive(&mut self, input: Option<&Input<S>>, order: usize) {
-        let (Some(input), Some(from)) = (input, S::CONTROLS) else { return };
-        let Some(numbers) = input.order(order) else { return };
-        for (to, number) in self.coefficients[order].as_mut().iter_mut().skip(from).zip(numbers.as_ref()) {
-            *to = T::of(*number);
-        }
-    }
-
-    /// `Σ_j a_j b_{k−j}` from 1 to `k − 1` of all lanes, side by side in registers.
-    #[inline(always)]
-    fn multiply<P: Processor>(&self, k: usize) -> S::Lanes<T> {
+    fn sums<P: Processor>(&self, k: usize) -> S::Lanes<T> {
         let mut sums = S::Lanes::splat(T::of(0.0));
         match P::DOUBLES {
-            8 if T::IS_DOUBLE => self.multiply_by::<P, 8>(k, &mut sums),
-            4 if T::IS_DOUBLE => self.multiply_by::<P, 4>(k, &mut sums),
-            2 if T::IS_DOUBLE => self.multiply_by::<P, 2>(k, &mut sums),
+            8 if T::PAIRS => self.multiply_by::<P, 8>(k, &mut sums),
+            4 if T::PAIRS => self.multiply_by::<P, 4>(k, &mut sums),
+            2 if T::PAIRS => self.multiply_by::<P, 2>(k, &mut sums),
             _ => {
                 for (lane, sum) in sums.as_mut().iter_mut().enumerate() {
                     self.terms(k, |a, b| *sum = a.as_ref()[lane].mul_add(b.as_ref()[lane], *sum));
@@ -202,7 +197,9 @@ impl<S: PowerSeries, T: Real> Series<S, T> {
         }
         sums
     }
+}
 
+impl<S: PowerSeries, T: Batch> Rows<S, T> {
     #[inline(always)]
     fn multiply_by<P: Processor, const W: usize>(&self, k: usize, sums: &mut S::Lanes<T>) {
         let mut at = 0;
@@ -228,18 +225,23 @@ impl<S: PowerSeries, T: Real> Series<S, T> {
         sums: &mut S::Lanes<T>,
     ) {
         let load = |lanes: &S::Lanes<T>, n: usize| {
-            let mut numbers = [T::of(0.0); W];
-            numbers.copy_from_slice(&lanes.as_ref()[at + n * W..][..W]);
+            let mut numbers = [T::Number::of(0.0); W];
+            for (number, x) in numbers.iter_mut().zip(&lanes.as_ref()[at + n * W..][..W]) {
+                *number = x.lane(0);
+            }
             P::doubles(&numbers)
         };
-        let mut sum = [P::doubles(&[T::of(0.0); W]); N];
+        let mut sum = [P::doubles(&[T::Number::of(0.0); W]); N];
         self.terms(k, |a, b| {
             for (n, sum) in sum.iter_mut().enumerate() {
                 *sum = P::mul_add(load(a, n), load(b, n), *sum);
             }
         });
         for (n, sum) in sum.into_iter().enumerate() {
-            sums.as_mut()[at + n * W..][..W].copy_from_slice(&P::numbers::<T, W>(sum));
+            let numbers = P::numbers::<T::Number, W>(sum);
+            for (sum, number) in sums.as_mut()[at + n * W..][..W].iter_mut().zip(numbers) {
+                sum.set_lane(0, number);
+            }
         }
     }
 
@@ -250,29 +252,132 @@ impl<S: PowerSeries, T: Real> Series<S, T> {
             term(&a.0, &b.0);
         }
     }
+}
+
+/// Room on the heap, for numbers side by side, which may be too many for a stack.
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+pub(crate) struct Heap;
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+impl Room for Heap {
+    type Orders<X: Copy + Send + Sync> = std::vec::Vec<X>;
+    type Factors<S: PowerSeries, T: Batch> = Columns<S, T>;
+
+    fn all<X: Copy + Send + Sync>(value: X) -> Self::Orders<X> {
+        std::vec![value; MOST_COEFFICIENTS + 1]
+    }
+}
+
+/// Each operand once: so they fit the fastest memory, and one that is loaded is multiplied by several others.
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+pub(crate) struct Columns<S: PowerSeries, T: Batch>(std::vec::Vec<S::Operands<T>>);
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+impl<S: PowerSeries, T: Batch> Clone for Columns<S, T> {
+    fn clone(&self) -> Self {
+        Self(self.0.clone())
+    }
+}
+
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+impl<S: PowerSeries, T: Batch> Factors<S, T> for Columns<S, T> {
+    fn new() -> Self {
+        Self(Heap::all(S::Operands::splat(T::of(0.0))))
+    }
+
+    #[inline(always)]
+    fn put(&mut self, order: usize, operands: &S::Operands<T>) {
+        self.0[order] = *operands;
+    }
+
+    #[inline(always)]
+    fn sums<P: Processor>(&self, k: usize) -> S::Lanes<T> {
+        S::sums(self.0[1..k].iter().zip(self.0[1..k].iter().rev()))
+    }
+}
+
+/// The power series of one step, and room for what they are made of.
+pub(crate) struct Series<S: PowerSeries, T: Batch, R: Room = Within> {
+    kept: S::Kept<T>,
+    factors: R::Factors<S, T>,
+    coefficients: R::Orders<S::Coefficients<T>>,
+    events: R::Orders<S::Events<T>>,
+    order: usize,
+    /// Whether the controls are held.
+    is_held: bool,
+}
+
+impl<S: PowerSeries, T: Batch> Clone for Series<S, T> {
+    fn clone(&self) -> Self {
+        let Self { kept, coefficients, events, order, is_held, .. } = *self;
+        Self { kept, factors: self.factors.clone(), coefficients, events, order, is_held }
+    }
+}
+
+impl<S: PowerSeries, T: Batch, R: Room> Series<S, T, R> {
+    /// Room for series of this order.
+    pub(crate) fn new(order: usize) -> Self {
+        let zero = T::of(0.0);
+        let coefficients = R::all(S::Coefficients::splat(zero));
+        let events = R::all(S::Events::splat(zero));
+        let (kept, factors) = (S::Kept::splat(zero), R::Factors::new());
+        Self { kept, factors, coefficients, events, order, is_held: true }
+    }
+
+    pub(crate) fn order(&self) -> usize {
+        self.order
+    }
+
+    pub(crate) fn set_order(&mut self, order: usize) {
+        self.order = order;
+    }
+
+    /// Computes all coefficients of the motion from a state on.
+    #[inline(always)]
+    fn expand<P: Processor>(&mut self, start: &Start<'_, S, T>) {
+        let Start { parameters, state, time, control, velocity, input } = start;
+        let Leading { kept, start, change, events } = S::leading(parameters, state, *time, control, velocity);
+        (self.kept, self.is_held) = (kept, input.is_none());
+        let coefficients = self.coefficients.as_mut();
+        (coefficients[0], coefficients[1], self.events.as_mut()[0]) = (start, change, events);
+        self.drive(*input, 1);
+        for k in 1..self.order.min(MOST_COEFFICIENTS) {
+            let sums = self.factors.sums::<P>(k);
+            let Next { mut change, operands, events } =
+                S::next(&self.kept, &self.coefficients.as_ref()[k], &sums, T::of(k as f64));
+            self.factors.put(k, &operands);
+            self.events.as_mut()[k] = events;
+            let share = T::of(1.0 / (k as f64 + 1.0));
+            for x in change.as_mut() {
+                *x = *x * share;
+            }
+            self.coefficients.as_mut()[k + 1] = change;
+            self.drive(*input, k + 1);
+        }
+    }
+
+    /// Puts the coefficients of one order of an input in the place of those of controls that are held.
+    #[inline(always)]
+    fn drive(&mut self, input: Option<&Input<S>>, order: usize) {
+        let (Some(input), Some(from)) = (input, S::CONTROLS) else { return };
+        let Some(numbers) = input.order(order) else { return };
+        let coefficients = self.coefficients.as_mut()[order].as_mut();
+        for (to, number) in coefficients.iter_mut().skip(from).zip(numbers.as_ref()) {
+            *to = T::of(*number);
+        }
+    }
 
     /// The values a time `h` after the start.
     #[inline(always)]
     fn sum(&self, h: T) -> S::Coefficients<T> {
-        let mut sum = self.coefficients[self.order];
+        let coefficients = self.coefficients.as_ref();
+        let mut sum = coefficients[self.order];
         for k in (0..self.order).rev() {
-            for (x, &c) in sum.as_mut().iter_mut().zip(self.coefficients[k].as_ref()) {
+            for (x, &c) in sum.as_mut().iter_mut().zip(coefficients[k].as_ref()) {
                 *x = x.mul_add(h, c);
             }
         }
         sum
-    }
-
-    /// Writes the series of an event of the description in shares of a step of this length, the constant coefficient first, and how many coefficients
-    /// there are. None if the event has no series.
-    pub(crate) fn event(&self, event: usize, step: f64, coefficients: &mut Coefficients) -> Option<usize> {
-        let place = S::EVENTS_WITH_SERIES.iter().position(|known| *known == event)?;
-        let mut power = 1.0;
-        for (coefficient, events) in coefficients.iter_mut().zip(self.events.iter().take(self.order)) {
-            *coefficient = events.as_ref().get(place)?.to_f64() * power;
-            power *= step;
-        }
-        Some(self.order)
     }
 
     /// The state a time `h` after the start.
@@ -282,7 +387,45 @@ impl<S: PowerSeries, T: Real> Series<S, T> {
     }
 }
 
-impl<S: PowerSeries, T: Real> Terms for Series<S, T> {
+impl<S: PowerSeries, T: Real> Series<S, T> {
+    /// Writes the series of an event of the description in shares of a step of this length, the constant coefficient first, and how many coefficients
+    /// there are. None if the event has no series.
+    pub(crate) fn event(&self, event: usize, step: f64, coefficients: &mut Coefficients) -> Option<usize> {
+        let place = S::EVENTS_WITH_SERIES.iter().position(|known| *known == event)?;
+        let mut power = 1.0;
+        for (coefficient, events) in coefficients.iter_mut().zip(self.events.as_ref().iter().take(self.order))
+        {
+            *coefficient = events.as_ref().get(place)?.to_f64() * power;
+            power *= step;
+        }
+        Some(self.order)
+    }
+
+    /// Takes the series that lie in a lane of others, of the same order.
+    #[cfg(all(feature = "std", target_arch = "x86_64"))]
+    pub(crate) fn take_lane<L: Batch, R: Room>(&mut self, of: &Series<S, L, R>, lane: usize) {
+        let take = |to: &mut [T], from: &[L]| {
+            to.iter_mut().zip(from).for_each(|(to, from)| *to = T::of(from.lane(lane).to_f64()));
+        };
+        self.is_held = of.is_held;
+        take(self.kept.as_mut(), of.kept.as_ref());
+        for (to, from) in self.coefficients.iter_mut().zip(of.coefficients.as_ref()) {
+            take(to.as_mut(), from.as_ref());
+        }
+        for (to, from) in self.events.iter_mut().zip(of.events.as_ref()) {
+            take(to.as_mut(), from.as_ref());
+        }
+    }
+}
+
+impl<S: PowerSeries, T: Batch, R: Room> Terms for Series<S, T, R> {
+    type Each<X: Copy + Send + Sync> = T::Each<X>;
+
+    #[inline(always)]
+    fn each(value: f64) -> T::Each<f64> {
+        T::all(value)
+    }
+
     #[inline(always)]
     fn last(&self) -> usize {
         self.order
@@ -294,37 +437,62 @@ impl<S: PowerSeries, T: Real> Terms for Series<S, T> {
     }
 
     #[inline(always)]
-    fn largest(&self, order: usize, from: usize, length: usize) -> f64 {
-        let numbers = &self.coefficients[order].as_ref()[from..from + length];
-        numbers.iter().fold(0.0, |largest: f64, x| {
-            let size = x.to_f64().abs();
-            if size > largest { size } else { largest }
-        })
+    fn held(&self) -> usize {
+        S::CONTROLS.filter(|_| self.is_held).unwrap_or(S::Coefficients::<T>::LENGTH)
+    }
+
+    #[inline(always)]
+    fn largest(&self, order: usize, from: usize, length: usize) -> T::Each<f64> {
+        let mut largest = T::all(0.0);
+        for x in &self.coefficients.as_ref()[order].as_ref()[from..from + length] {
+            for (lane, largest) in largest.as_mut().iter_mut().enumerate() {
+                let size = x.lane(lane).to_f64().abs();
+                *largest = if size > *largest { size } else { *largest };
+            }
+        }
+        largest
     }
 }
 
-/// The terms of the series of a step, which tell how long it may be.
+/// The terms of the series of a step, or of some side by side, which tell how long it may be.
 pub(crate) trait Terms {
+    /// Something for each of the steps that are side by side.
+    type Each<X: Copy + Send + Sync>: Copy + AsRef<[X]> + AsMut<[X]>;
+    /// The same number for each of them.
+    fn each(value: f64) -> Self::Each<f64>;
     /// The order of the last.
     fn last(&self) -> usize;
     /// The lengths of the blocks of what has a series that have a unit in common.
     fn blocks(&self) -> &[usize];
+    /// Where what is held begins among what has a series.
+    fn held(&self) -> usize;
     /// The largest coefficient of one order in a block that begins there.
-    fn largest(&self, order: usize, from: usize, length: usize) -> f64;
+    fn largest(&self, order: usize, from: usize, length: usize) -> Self::Each<f64>;
 
     /// How long the step is, after one of the length `before`.
     #[inline(always)]
-    fn step(&self, before: Option<f64>, length: Length) -> f64 {
-        match length {
-            Length::Exactly(step) => step,
-            Length::AtMost(most) => {
-                let guess = before.map_or_else(|| self.first_guess(), f64::abs);
-                let longest = if guess < f64::INFINITY { self.longest_step(guess) } else { guess };
-                // what is zero at its start in every unit that changes has no size there
-                let longest = if longest < f64::INFINITY { longest } else { self.first_guess() };
-                if longest < most.abs() { longest.copysign(most) } else { most }
-            }
+    fn step(&self, before: &[Option<f64>], length: &[Length]) -> Self::Each<f64> {
+        let mut guess = Self::each(0.0);
+        for ((lane, guess), length) in guess.as_mut().iter_mut().enumerate().zip(length) {
+            *guess = match length {
+                Length::Exactly(step) => step.abs(),
+                Length::AtMost(_) => before[lane].map_or_else(|| self.first_guess(lane), f64::abs),
+            };
         }
+        let is_chosen = length.iter().any(|length| matches!(length, Length::AtMost(_)));
+        let mut steps = if is_chosen { self.longest_step(guess.as_ref()) } else { guess };
+        for (lane, step) in steps.as_mut().iter_mut().enumerate() {
+            *step = match length[lane] {
+                Length::Exactly(step) => step,
+                Length::AtMost(most) => {
+                    let longest = if guess.as_ref()[lane] < f64::INFINITY { *step } else { f64::INFINITY };
+                    // what is zero at its start in every unit that changes has no size there
+                    let longest = if longest < f64::INFINITY { longest } else { self.first_guess(lane) };
+                    if longest < most.abs() { longest.copysign(most) } else { most }
+                }
+            };
+        }
+        steps
     }
 
     /// How large the step may be for the last two terms to be as small as the order can make them: `e^{−2N}` of what the series is of, which is
@@ -332,34 +500,47 @@ pub(crate) trait Terms {
     ///
     /// That is the rule of Jorba and Zou, Experimental Mathematics 14 (2005) 99, for each unit by itself. Infinite where these terms are zero.
     #[inline(always)]
-    fn longest_step(&self, guess: f64) -> f64 {
+    fn longest_step(&self, guess: &[f64]) -> Self::Each<f64> {
         let last = self.last();
-        let mut least = [f64::INFINITY; 2];
+        let mut least = [Self::each(f64::INFINITY), Self::each(f64::INFINITY)];
         let mut from = 0;
         for &length in self.blocks() {
-            let [zeroth, first, second] = [0, 1, 2].map(|k| self.largest(k, from, length));
-            let size = zeroth.max(first * guess).max(second * guess * guess);
+            if from >= self.held() {
+                break;
+            }
+            // not by a map, whose closure would be compiled apart, for any processor
+            let (zeroth, first) = (self.largest(0, from, length), self.largest(1, from, length));
+            let second = self.largest(2, from, length);
             for (k, least) in [last - 1, last].into_iter().zip(&mut least) {
-                let ratio = size / self.largest(k, from, length);
-                // zero by zero says nothing, nor does what is below all numbers
-                if size > 0.0 && ratio < *least {
-                    *least = ratio;
+                let largest = self.largest(k, from, length);
+                for (lane, least) in least.as_mut().iter_mut().enumerate() {
+                    let (zeroth, first) = (zeroth.as_ref()[lane], first.as_ref()[lane]);
+                    let (second, largest) = (second.as_ref()[lane], largest.as_ref()[lane]);
+                    let guess = guess[lane];
+                    let size = zeroth.max(first * guess).max(second * guess * guess);
+                    let ratio = size / largest;
+                    // zero by zero says nothing, nor does what is below all numbers
+                    *least = if size > 0.0 && ratio < *least { ratio } else { *least };
                 }
             }
             from += length;
         }
         let n = last as f64;
-        root(least[0], n - 1.0).min(root(least[1], n)) * self.margin()
+        let [mut steps, other] = least;
+        for (step, other) in steps.as_mut().iter_mut().zip(other.as_ref()) {
+            *step = root(*step, n - 1.0).min(root(*other, n)) * self.margin();
+        }
+        steps
     }
 
     /// A first guess of the step's length, by the first term that is not zero and the last ones.
     #[cold]
-    fn first_guess(&self) -> f64 {
+    fn first_guess(&self, lane: usize) -> f64 {
         let mut guess = f64::INFINITY;
         let mut from = 0;
         for &length in self.blocks() {
             for k in [self.last() - 1, self.last()] {
-                let of = |k: usize| self.largest(k, from, length);
+                let of = |k: usize| self.largest(k, from, length).as_ref()[lane];
                 if let Some(first) = (0..k).find(|&k| of(k) > 0.0) {
                     guess = guess.min(root(of(first) / of(k), (k - first) as f64));
                 }
@@ -396,14 +577,14 @@ pub(crate) struct Start<'s, S: System + PowerSeries, T: Scalar> {
 /// An input as a power series.
 pub(crate) type Input<S> = Polynomial<<S as System>::ControlComponents<f64>>;
 
-/// One step: its series, how long it may be, and where it leads.
-pub(crate) struct Advance<'s, S: PowerSeries, T: Scalar> {
-    pub(crate) series: &'s mut Series<S, T>,
+/// One step, or some side by side: its series, how long it may be, and where it leads.
+pub(crate) struct Advance<'s, S: PowerSeries, T: Batch, R: Room> {
+    pub(crate) series: &'s mut Series<S, T, R>,
     pub(crate) start: Start<'s, S, T>,
     /// The length of the step before, if there was one.
-    pub(crate) before: Option<f64>,
+    pub(crate) before: T::Each<Option<f64>>,
     /// How long it has to be, or may be at most, backwards in time if negative.
-    pub(crate) length: Length,
+    pub(crate) length: T::Each<Length>,
 }
 
 /// How long a step is to be.
@@ -415,16 +596,20 @@ pub(crate) enum Length {
     AtMost(f64),
 }
 
-impl<S: PowerSeries, T: Real> LongWork for Advance<'_, S, T> {
+impl<S: PowerSeries, T: Batch, R: Room> LongWork for Advance<'_, S, T, R> {
     type CallSite = S::Kept<T>;
     /// The length of the step, and the state at its end.
-    type Result = (f64, S::StateComponents<T>);
+    type Result = (T::Each<f64>, S::StateComponents<T>);
 
     #[inline(always)]
     fn done<P: Processor>(self) -> Self::Result {
         let Self { series, start, before, length } = self;
         series.expand::<P>(&start);
-        let step = series.step(before, length);
-        (step, series.state(T::of(step)))
+        let steps = series.step(before.as_ref(), length.as_ref());
+        let mut lengths = T::of(0.0);
+        for (lane, step) in steps.as_ref().iter().enumerate() {
+            lengths.set_lane(lane, T::Number::of(*step));
+        }
+        (steps, series.state(lengths))
     }
 }

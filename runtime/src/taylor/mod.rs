@@ -29,11 +29,16 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+mod together;
+
 use core::fmt;
 
 use crate::error::{ParameterError, StepError};
 #[cfg(feature = "std")]
 use crate::run::Run;
+#[cfg(feature = "std")]
+use crate::scalar::instructions::Instructions;
 use crate::scalar::{Batch, Components as _, Real, Scalar as _};
 use crate::stepper::report::{RunError, RunReport};
 use crate::stepper::{Inputs, StepReport, Stepping, check_deviation, check_step};
@@ -49,6 +54,78 @@ use crate::system::series::{Advance, Coefficients, Length, MOST_COEFFICIENTS, St
 #[doc(hidden)]
 pub use crate::system::series::{Leading, Next, SeriesVisitor};
 use crate::system::{Control, Dynamics, State};
+
+/// The calls of [`Stepping`] that are those of a pace, and of the largest that each number of an input has been:
+/// `carried` and `carried_mut` say where both are.
+macro_rules! by_pace {
+    () => {
+        fn time(&self) -> f64 {
+            self.carried().0.time()
+        }
+
+        fn set_time(&mut self, time: f64) {
+            let (pace, sizes) = self.carried_mut();
+            pace.set_time(time);
+            sizes.fill(0.0);
+        }
+
+        fn steps_taken(&self) -> u64 {
+            self.carried().0.taken
+        }
+
+        /// The length of the last step, with the sign of the way to the end that is set; before the first that way.
+        fn step_size(&self) -> f64 {
+            self.carried().0.step_size()
+        }
+
+        /// Takes steps of this length from now on, whatever the tolerance.
+        fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError> {
+            crate::stepper::check_step(step)?;
+            self.carried_mut().0.fixed = Some(step);
+            Ok(())
+        }
+
+        fn is_adaptive(&self) -> bool {
+            self.carried().0.fixed.is_none()
+        }
+
+        fn set_end(&mut self, time: f64) {
+            self.carried_mut().0.end = time;
+        }
+
+        fn has_ended(&self) -> bool {
+            self.carried().0.has_ended()
+        }
+
+        #[cfg(feature = "std")]
+        fn snapshot(&self) -> std::vec::Vec<f64> {
+            let (pace, sizes) = self.carried();
+            pace.snapshot(sizes)
+        }
+
+        fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
+            let (pace, sizes) = self.carried_mut();
+            pace.restore(sizes, memory)
+        }
+
+        fn go_on_at(&mut self, time: f64, steps: u64) {
+            let (pace, _) = self.carried_mut();
+            pace.set_time(time);
+            pace.taken = steps;
+        }
+
+        fn steps_with(
+            &mut self,
+            state: &mut <Self::System as crate::system::Dynamics>::State,
+            control: &<Self::System as crate::system::Dynamics>::Control,
+            count: u64,
+        ) -> Result<RunReport, RunError> {
+            crate::taylor::steps_with(self, state, control, count)
+        }
+    };
+}
+#[cfg(feature = "std")]
+pub(crate) use by_pace;
 
 impl<S: PowerSeries> Adaptive<S> {
     /// Takes steps of this order, whatever the tolerance: from 4 to 32.
@@ -103,6 +180,16 @@ impl<S: PowerSeries> Adaptive<S> {
     pub fn set_time(&mut self, time: f64) {
         self.pace.set_time(time);
         self.sizes = S::ControlComponents::splat(0.0);
+    }
+
+    /// What is carried from one step to the next.
+    pub(crate) fn carried(&self) -> (&Pace, &[f64]) {
+        (&self.pace, self.sizes.as_ref())
+    }
+
+    /// The same.
+    pub(crate) fn carried_mut(&mut self) -> (&mut Pace, &mut [f64]) {
+        (&mut self.pace, self.sizes.as_mut())
     }
 
     /// The steps taken.
@@ -260,14 +347,9 @@ impl<S: PowerSeries> Adaptive<S> {
         input: Option<&series::Input<S>>,
         wanted: Wanted,
     ) -> Result<f64, StepError> {
-        check_deviation(state.deviation().to_f64())?;
+        self.check(state, control)?;
         let time = S::Scalar::of(self.time());
-        let components = state.to_components();
-        let control_components = control.to_components();
-        let is_finite = |numbers: &[S::Scalar]| numbers.iter().all(|x| x.is_finite());
-        if !is_finite(components.as_ref()) || !is_finite(control_components.as_ref()) || !time.is_finite() {
-            return Err(StepError::NotFinite);
-        }
+        let (components, control_components) = (state.to_components(), control.to_components());
         let velocity = self.system.start_velocity(state, time, control);
         let before = self.pace.begin();
         let (step, next) = <S::Scalar as Batch>::dispatch_wide(Advance {
@@ -280,18 +362,35 @@ impl<S: PowerSeries> Adaptive<S> {
                 velocity: &velocity,
                 input,
             },
-            before,
-            length: wanted.length,
+            before: S::Scalar::all(before),
+            length: S::Scalar::all(wanted.length),
         });
-        self.pace.took(step, is_finite(next.as_ref()), wanted.end)?;
+        let step = step.as_ref()[0];
+        self.pace.took(step, are_finite(next.as_ref()), wanted.end)?;
         *state = S::State::from_components(&next);
         Ok(step)
     }
+
+    /// Whether a step can start there.
+    #[inline]
+    fn check(&self, state: &S::State, control: &S::Control) -> Result<(), StepError> {
+        check_deviation(state.deviation().to_f64())?;
+        let time = S::Scalar::of(self.time());
+        let are_all_finite = are_finite(state.to_components().as_ref())
+            && are_finite(control.to_components().as_ref())
+            && time.is_finite();
+        if are_all_finite { Ok(()) } else { Err(StepError::NotFinite) }
+    }
+}
+
+fn are_finite<T: Real>(numbers: &[T]) -> bool {
+    numbers.iter().all(|x| x.is_finite())
 }
 
 /// Takes many trajectories to one time, each with its own steps, parameters and tolerance, all with their controls zero.
 ///
-/// Each ends as if it were taken alone, to the last bit. With the feature `parallel` they go on all cores. One that fails stays where it came to, and
+/// Each ends as if it were taken alone, to the last bit: members of one system go side by side in the registers of the processor, where it has wide
+/// ones, and with the feature `parallel` on all cores. One that fails stays where it came to, and
 /// its error stands in its place of what is returned; the rest go on.
 ///
 /// ```
@@ -326,18 +425,60 @@ pub fn all_to<T>(
     time: f64,
 ) -> std::vec::Vec<Result<RunReport, RunError>>
 where
-    T: Stepping + Send,
+    T: Beside + Send,
     <T::System as Dynamics>::State: Send,
 {
-    let one =
-        |(trajectory, state): &mut (T, <T::System as Dynamics>::State)| Run::new(trajectory, state).to(time);
+    all_to_with(members, time, Instructions::widest())
+}
+
+/// As [`all_to`], with arithmetic compiled for certain instructions; where the processor has not those, each member is taken alone.
+#[cfg(feature = "std")]
+pub fn all_to_with<T>(
+    members: &mut [(T, <T::System as Dynamics>::State)],
+    time: f64,
+    instructions: Instructions,
+) -> std::vec::Vec<Result<RunReport, RunError>>
+where
+    T: Beside + Send,
+    <T::System as Dynamics>::State: Send,
+{
+    let some = |members: &mut [(T, <T::System as Dynamics>::State)]| T::some_to(members, time, instructions);
     #[cfg(feature = "parallel")]
     {
         use rayon::prelude::*;
-        members.par_iter_mut().map(one).collect()
+        // some for each thread to take when it has done with others
+        let parts = 4 * rayon::current_num_threads();
+        let length = members.len().div_ceil(parts).next_multiple_of(MOST_LANES);
+        members.par_chunks_mut(length.max(MOST_LANES)).flat_map_iter(some).collect()
     }
     #[cfg(not(feature = "parallel"))]
-    members.iter_mut().map(one).collect()
+    some(members)
+}
+
+/// Members of an ensemble.
+#[doc(hidden)]
+#[cfg(feature = "std")]
+pub trait Beside: Stepping + Sized {
+    /// Takes each member to a time, several side by side where that is quicker.
+    fn some_to(
+        members: &mut [(Self, <Self::System as Dynamics>::State)],
+        time: f64,
+        _instructions: Instructions,
+    ) -> std::vec::Vec<Result<RunReport, RunError>> {
+        members.iter_mut().map(|(trajectory, state)| Run::new(trajectory, state).to(time)).collect()
+    }
+}
+
+#[cfg(feature = "std")]
+impl<S: PowerSeries> Beside for Adaptive<S> {
+    #[cfg(target_arch = "x86_64")]
+    fn some_to(
+        members: &mut [(Self, S::State)],
+        time: f64,
+        instructions: Instructions,
+    ) -> std::vec::Vec<Result<RunReport, RunError>> {
+        together::some_to(members, time, instructions)
+    }
 }
 
 impl<S: PowerSeries> Stepping for Adaptive<S> {
@@ -347,57 +488,7 @@ impl<S: PowerSeries> Stepping for Adaptive<S> {
         Self::system(self)
     }
 
-    fn time(&self) -> f64 {
-        Self::time(self)
-    }
-
-    fn set_time(&mut self, time: f64) {
-        Self::set_time(self, time);
-    }
-
-    fn steps_taken(&self) -> u64 {
-        Self::steps_taken(self)
-    }
-
-    /// The length of the last step, with the sign of the way to the end that is set; before the first that way.
-    fn step_size(&self) -> f64 {
-        self.pace.step_size()
-    }
-
-    /// Takes steps of this length from now on, whatever the tolerance.
-    fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError> {
-        check_step(step)?;
-        self.pace.fixed = Some(step);
-        Ok(())
-    }
-
-    fn is_adaptive(&self) -> bool {
-        self.pace.fixed.is_none()
-    }
-
-    fn set_end(&mut self, time: f64) {
-        self.pace.end = time;
-    }
-
-    fn has_ended(&self) -> bool {
-        self.pace.has_ended()
-    }
-
-    #[cfg(feature = "std")]
-    fn snapshot(&self) -> std::vec::Vec<f64> {
-        let own = self.pace.snapshot();
-        own.into_iter().chain(self.sizes.as_ref().iter().copied()).collect()
-    }
-
-    fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
-        let (own, sizes) = memory.split_at(memory.len().min(Pace::MEMORY));
-        let expected = Pace::MEMORY + self.sizes.as_ref().len();
-        if memory.len() != expected {
-            return Err(ParameterError::Snapshot { expected, got: memory.len() });
-        }
-        self.sizes.as_mut().copy_from_slice(sizes);
-        self.pace.restore(own)
-    }
+    by_pace!();
 
     fn step_with(&mut self, state: &mut S::State, control: &S::Control) -> Result<StepReport, StepError> {
         Self::step_with(self, state, control).map(|_| EXPLICIT)
@@ -409,15 +500,6 @@ impl<S: PowerSeries> Stepping for Adaptive<S> {
         input: &mut dyn FnMut(f64) -> S::Control,
     ) -> Result<StepReport, StepError> {
         self.next_step(state, Inputs::Driven(input)).map(|_| EXPLICIT)
-    }
-
-    fn steps_with(
-        &mut self,
-        state: &mut S::State,
-        control: &S::Control,
-        count: u64,
-    ) -> Result<RunReport, RunError> {
-        steps_with(self, state, control, count)
     }
 
     fn set_parameters(&mut self, system: &S) -> Result<(), ParameterError> {
@@ -466,11 +548,6 @@ impl<S: PowerSeries> Stepping for Adaptive<S> {
         let _ = beside.advance_with(&mut state.clone(), control, None, Length::Exactly(length).into());
         beside.series.event(event, length, coefficients)
     }
-
-    fn go_on_at(&mut self, time: f64, steps: u64) {
-        self.pace.set_time(time);
-        self.pace.taken = steps;
-    }
 }
 
 /// Takes steps one by one.
@@ -492,6 +569,10 @@ pub(crate) fn steps_with<T: Stepping + ?Sized>(
     }
     Ok(report)
 }
+
+/// How many members are side by side at most.
+#[cfg(feature = "parallel")]
+const MOST_LANES: usize = 8;
 
 /// There is no equation to solve.
 pub(crate) const EXPLICIT: StepReport = StepReport { iterations: 0, residual: 0.0 };

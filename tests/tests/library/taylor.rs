@@ -6,11 +6,12 @@
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
+use coadjoint::ensemble::Instructions;
 use coadjoint::error::{ParameterError, StepError};
 use coadjoint::nalgebra::Translation3;
 use coadjoint::prelude::*;
 use coadjoint::taylor::PowerSeries;
-use coadjoint::{Discretized, Record, Run, State, System, erased, taylor};
+use coadjoint::{Discretized, Record, Run, RunError, RunReport, State, System, erased, taylor};
 use serde_json::Value;
 
 /// A free rigid body with axes that are not principal ones.
@@ -306,6 +307,59 @@ fn claims_are_measured() {
     assert_eq!(error, CertifyError::NoStates);
 }
 
+/// What is known of members that have come to some times, forward and back, to the last bit.
+fn reached<S: PowerSeries + System<Scalar = f64>>(
+    system: &S,
+    starts: &[S::State],
+    all_to: impl Fn(&mut [(taylor::Adaptive<S>, S::State)], f64) -> Vec<Result<RunReport, RunError>>,
+) -> Vec<(Result<RunReport, RunError>, u64, Vec<u64>)> {
+    let member = |(k, start): (usize, &S::State)| {
+        let mut trajectory = system.adaptive([1e-9, 1e-4, 1e-13, 1e-9][k % 4]).unwrap();
+        trajectory.set_time(0.1 * (k % 5) as f64);
+        if k == 6 {
+            trajectory = trajectory.with_step(0.01).unwrap();
+        }
+        (trajectory, start.clone())
+    };
+    let mut members: Vec<_> = starts.iter().enumerate().map(member).collect();
+    let mut all = Vec::new();
+    for time in [0.2, 1.3, 0.7, 3.0, 3.0, f64::INFINITY] {
+        let reports = all_to(&mut members, time);
+        for ((trajectory, state), report) in members.iter().zip(reports) {
+            let mut numbers = vec![trajectory.time(), trajectory.last_step()];
+            for state in [Some(state.clone()), trajectory.at(0.3)].into_iter().flatten() {
+                numbers.extend(state.to_components().as_ref());
+            }
+            let bits = numbers.iter().map(|x| x.to_bits()).collect();
+            all.push((report, trajectory.steps_taken(), bits));
+        }
+    }
+    all
+}
+
+/// Returns how many of the runs failed.
+fn ends_as_if_alone<S: PowerSeries + System<Scalar = f64>>(
+    what: &str,
+    system: &S,
+    starts: &[S::State],
+) -> usize
+where
+    taylor::Adaptive<S>: Send,
+    S::State: Send,
+{
+    let alone = reached(system, starts, |members, time| {
+        members.iter_mut().map(|(trajectory, state)| Run::new(trajectory, state).to(time)).collect()
+    });
+    for instructions in Instructions::available() {
+        let together =
+            reached(system, starts, |members, time| taylor::all_to_with(members, time, instructions));
+        for (k, (one, other)) in alone.iter().zip(&together).enumerate() {
+            assert_eq!(one, other, "{what}, {instructions:?}: {} of {}", k % starts.len(), k / starts.len());
+        }
+    }
+    alone.iter().filter(|(report, ..)| report.is_err()).count()
+}
+
 #[test]
 fn members_of_an_ensemble_end_as_if_alone() {
     let top = Top { inertia: vector![1.0, 10.0, 100.0], weight: 1.0, chi: vector![0.3, 0.2, 1.0] };
@@ -314,22 +368,36 @@ fn members_of_an_ensemble_end_as_if_alone() {
         momentum: vector![1.0 + 0.1 * k as f64, 1.0, 5.0],
         gamma: vector![0.0, 0.6, 0.8],
     };
-    let mut members: Vec<_> = (0..9).map(|k| (top.adaptive(1e-9).unwrap(), start(k))).collect();
-    members[4].1.momentum.x = f64::NAN;
-    for time in [1.0, 2.5, 10.0] {
-        let reports = taylor::all_to(&mut members, time);
-        assert_eq!(reports.iter().filter(|report| report.is_err()).count(), 1);
-        assert!(reports[4].is_err() && members[0].0.time() == time);
-    }
-    for (k, (_, state)) in members.iter().enumerate().filter(|(k, _)| *k != 4) {
-        let (mut alone, mut trajectory) = (start(k), top.adaptive(1e-9).unwrap());
-        for time in [1.0, 2.5, 10.0] {
-            trajectory.to(&mut alone, time).unwrap();
-        }
-        assert_eq!(*state, alone);
-    }
-    let steps: Vec<u64> = members.iter().map(|(trajectory, _)| trajectory.steps_taken()).collect();
-    assert!(steps[0] != steps[8], "{steps:?}");
+    let mut starts: Vec<_> = (0..23).map(start).collect();
+    // one of the times is none, and one has steps of one length, which do not go back
+    assert_eq!(ends_as_if_alone("tops", &top, &starts), 24);
+    starts[4].momentum.x = f64::NAN;
+    starts[9].attitude = UnitQuaternion::new_unchecked(Quaternion::new(2.0, 0.0, 0.0, 0.0));
+    assert_eq!(ends_as_if_alone("tops, two of them none", &top, &starts), 24 + 2 * 5);
+
+    // one falls into the sun
+    let (system, start) = kepler(0.4);
+    let mut starts = vec![start.clone(); 11];
+    starts[3].momentum.y = 0.0;
+    let failed = ends_as_if_alone("planets", &system, &starts);
+    assert!(failed > 12 && failed < 12 + 5, "{failed}");
+
+    let start = |k: usize| DoubleState {
+        first: UnitComplex::new(0.8),
+        first_momentum: vector![0.5 + 0.01 * k as f64],
+        second: UnitComplex::new(-0.8),
+        second_momentum: vector![0.3],
+    };
+    let starts: Vec<_> = (0..9).map(start).collect();
+    assert_eq!(ends_as_if_alone("double pendulums", &Double { gravity: 9.81 }, &starts), 10);
+    let (system, start, _) = pendulum();
+    assert_eq!(ends_as_if_alone("pendulums", &system, &vec![start; 5]), 5);
+    assert_eq!(ends_as_if_alone("none", &system, &[]), 0);
+
+    // by themselves, the widest instructions are taken
+    let (body, start) = (Body { inertia: Matrix3::identity() }, BodyState::default());
+    let mut members: Vec<_> = (0..3).map(|_| (body.adaptive(1e-9).unwrap(), start)).collect();
+    assert!(taylor::all_to(&mut members, 2.0).iter().all(Result::is_ok) && members[2].0.time() == 2.0);
 }
 
 /// A case: its name, the top, its start, and its states at times.
@@ -396,6 +464,19 @@ fn the_error_is_that_of_doubles_and_casimirs_are_kept() {
 }
 
 #[test]
+fn a_free_body_keeps_its_momentum_at_every_tolerance() {
+    let body = Body { inertia: Matrix3::from_diagonal(&vector![1.0, 10.0, 100.0]) };
+    let start = BodyState { attitude: attitude(), momentum: vector![1.0, 1.0, 1.0] };
+    for tolerance in [1e-4, 1e-6, 1e-9, 1e-12, 1e-15] {
+        let mut state = start.clone();
+        body.adaptive(tolerance).unwrap().to(&mut state, 1_800.0).unwrap();
+        let change = state.momentum.norm_squared() - start.momentum.norm_squared();
+        assert!(change.abs() < 3e-13, "to {tolerance:e}: {change:e}");
+        assert!((state.attitude.norm() - 1.0).abs() < 1e-15, "to {tolerance:e}");
+    }
+}
+
+#[test]
 fn a_planet_comes_back_after_a_thousand_orbits() {
     let (system, start) = kepler(0.9);
     let (mut state, mut trajectory) = (start.clone(), system.adaptive(1e-15).unwrap());
@@ -428,6 +509,32 @@ fn steps_of_one_length_have_their_order() {
 }
 
 #[test]
+fn states_within_a_step_have_its_order() {
+    let (system, start, control) = pendulum();
+    for (order, step) in [(4, 0.1), (6, 0.2), (9, 0.4)] {
+        let within = |step: f64| -> Vec<f64> {
+            let (mut state, mut exact) = (start.clone(), start.clone());
+            let trajectory = system.adaptive(1e-3).unwrap().with_order(order);
+            let mut trajectory = trajectory.with_step(step).unwrap();
+            trajectory.step_with(&mut state, &control).unwrap();
+            let mut other = system.adaptive(1e-15).unwrap();
+            let error = |k: u32| {
+                let share = f64::from(k) / 10.0;
+                other.to_with(&mut exact, &control, share * step).unwrap();
+                distance(&trajectory.at(share).unwrap(), &exact)
+            };
+            (1..=10).map(error).collect()
+        };
+        let slopes = within(step).into_iter().zip(within(0.5 * step)).filter(|(_, fine)| *fine > 1e-13);
+        let slopes: Vec<f64> = slopes.map(|(coarse, fine)| (coarse / fine).log2()).collect();
+        assert!(
+            slopes.len() >= 5 && slopes.iter().all(|slope| *slope > order as f64 + 0.3),
+            "{order}: {slopes:?}"
+        );
+    }
+}
+
+#[test]
 fn a_state_within_a_step_is_as_good_as_its_end() {
     let (_, top, start, _) = references().swap_remove(2);
     let (mut state, mut trajectory) = (start.clone(), top.adaptive(1e-12).unwrap());
@@ -440,7 +547,7 @@ fn a_state_within_a_step_is_as_good_as_its_end() {
             (Some(state.clone()), None, None)
         );
         assert!(distance(&trajectory.at(0.0).unwrap(), &before) < 1e-15);
-        for share in [0.1, 0.37, 0.5, 0.9] {
+        for share in (1..=10).map(|k| f64::from(k) / 10.0) {
             let within = trajectory.at(share).unwrap();
             let (mut exact, mut other) = (before.clone(), top.adaptive(1e-15).unwrap());
             other.set_time(from);

@@ -1,12 +1,13 @@
 //! Power series of a motion as Rust.
 
-use proc_macro2::{Literal, TokenStream};
+use std::collections::HashMap;
+
+use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::quote;
 
-use super::code::{array, kept, method, record, size};
+use super::code::{array, inlined, kept, method, record, size, term};
 use super::functions::block;
 use super::names::Names;
-use crate::expr::Number;
 use crate::program::{Function, Input, Interface, RecordKind, TaylorProgram, TaylorRole, Term, Values};
 
 /// `impl PowerSeries for HeavyTop { … }`
@@ -31,6 +32,8 @@ pub(super) fn taylor(names: &Names, interface: &Interface, series: &TaylorProgra
         let events = events.iter().map(|&place| size(place));
         quote! { const EVENTS_WITH_SERIES: &'static [::core::primitive::usize] = &[#(#events),*]; }
     });
+    let products = Products::of(series);
+    let (operands, products) = (size(products.operands.len()), products.functions(&lanes));
     let kept = record(&module.values, RecordKind::Step);
     let functions = module.functions.iter().map(|one| {
         let signature = signature(one.role, interface, &velocity);
@@ -53,6 +56,7 @@ pub(super) fn taylor(names: &Names, interface: &Interface, series: &TaylorProgra
                 type Kept<T: Scalar> = #kept;
                 type Coefficients<T: Scalar> = [T; #unknowns];
                 type Lanes<T: Scalar> = [T; #lanes];
+                type Operands<T: Scalar> = [T; #operands];
                 type Velocity<T: Scalar> = [T; #velocity];
                 type Events<T: Scalar> = [T; #event_count];
 
@@ -70,6 +74,7 @@ pub(super) fn taylor(names: &Names, interface: &Interface, series: &TaylorProgra
                 }
 
                 #(#functions)*
+                #products
             }
         };
     })
@@ -77,6 +82,82 @@ pub(super) fn taylor(names: &Names, interface: &Interface, series: &TaylorProgra
 
 /// Products are as many as fill whole registers: some of them are nobody's.
 const TOGETHER: usize = 8;
+
+/// So many sums of products are under way at a time: they and what they are made of are in registers.
+const UNDER_WAY: usize = 12;
+
+/// The products of series.
+#[derive(Default)]
+struct Products {
+    /// What they are of, each once.
+    operands: Vec<TokenStream>,
+    /// The places of both operands of each among these.
+    pairs: Vec<[usize; 2]>,
+}
+
+impl Products {
+    fn of(series: &TaylorProgram) -> Self {
+        let next = series.module.function(TaylorRole::Next);
+        next.map_or_else(Self::default, |next| Self::new(&series.module.values, next))
+    }
+
+    fn new(values: &Values, next: &Function<TaylorRole>) -> Self {
+        let (mut operands, mut places) = (Vec::new(), HashMap::new());
+        let mut place = |operand: &Term| {
+            let operand = term(values, operand);
+            *places.entry(operand.to_string()).or_insert_with(|| {
+                operands.push(operand);
+                operands.len() - 1
+            })
+        };
+        let [left, right] = [1, 2].map(|place| next.results.get(place).map_or(&[][..], Vec::as_slice));
+        let pairs = left.iter().zip(right).map(|(left, right)| [place(left), place(right)]).collect();
+        Self { operands, pairs }
+    }
+
+    /// What the products are, in two ways: for the sums of all of one number side by side, and for those of numbers that are side by side themselves.
+    fn functions(&self, lanes: &Literal) -> TokenStream {
+        let (length, inlined) = (size(self.operands.len()), inlined());
+        let spare = self.pairs.len().next_multiple_of(TOGETHER) - self.pairs.len();
+        let zeros = || std::iter::repeat_n(quote! { T::of(0.0) }, spare);
+        let side = |side: usize| {
+            let operand = self.pairs.iter().map(|pair| size(pair[side]));
+            let operand = operand.map(|place| quote! { operands[#place] }).chain(zeros());
+            quote! { [#(#operand),*] }
+        };
+        let (left, right) = (side(0), side(1));
+        let name = |k: usize| Ident::new(&format!("sum_{}", k + 1), Span::call_site());
+        let sums = (0..self.pairs.len()).map(name).collect::<Vec<_>>();
+        let parts = self.pairs.chunks(UNDER_WAY).zip(sums.chunks(UNDER_WAY)).map(|(pairs, sums)| {
+            let count = size(sums.len());
+            let terms = pairs.iter().zip(sums).map(|(pair, sum)| {
+                let [left, right] = pair.map(size);
+                quote! { #sum = left[#left].mul_add(right[#right], #sum); }
+            });
+            quote! {
+                let [#(mut #sums),*] = [T::of(0.0); #count];
+                for (left, right) in terms.clone() {
+                    #(#terms)*
+                }
+            }
+        });
+        let all = sums.iter().map(|sum| quote! { #sum }).chain(zeros());
+        quote! {
+            #inlined
+            fn lanes<T: Scalar>(operands: &[T; #length]) -> [[T; #lanes]; 2] {
+                [#left, #right]
+            }
+
+            #inlined
+            fn sums<'s, T: Scalar>(
+                terms: impl ::core::iter::Iterator<Item = (&'s [T; #length], &'s [T; #length])> + ::core::clone::Clone,
+            ) -> [T; #lanes] {
+                #(#parts)*
+                [#(#all),*]
+            }
+        }
+    }
+}
 
 fn signature(role: TaylorRole, interface: &Interface, velocity: &Literal) -> TokenStream {
     let [parameters, state, control] =
@@ -116,13 +197,8 @@ fn result(values: &Values, function: &Function<TaylorRole>) -> TokenStream {
         }
         TaylorRole::Next => {
             let (change, events) = (results.first(), results.get(3));
-            let [left, right] = [1, 2].map(|place| {
-                let numbers = function.results.get(place).map_or(&[][..], Vec::as_slice);
-                let spare = numbers.len().next_multiple_of(TOGETHER) - numbers.len();
-                let zeros = std::iter::repeat_n(Term::Number(Number::ZERO), spare);
-                array(values, &numbers.iter().cloned().chain(zeros).collect::<Vec<_>>())
-            });
-            quote! { Next { change: #change, operands: [#left, #right], events: #events } }
+            let Products { operands, .. } = Products::new(values, function);
+            quote! { Next { change: #change, operands: [#(#operands),*], events: #events } }
         }
         TaylorRole::Finish => quote! { #(#results)* },
     }

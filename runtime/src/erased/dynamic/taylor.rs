@@ -9,7 +9,7 @@ use crate::erased::adaptive::TaylorSteps;
 use crate::erased::system::{Geometry as _, length};
 use crate::error::{ParameterError, StepError};
 use crate::scalar::Scalar;
-use crate::stepper::{Inputs, StepReport, check_deviation, check_step};
+use crate::stepper::{Inputs, StepReport, check_deviation};
 use crate::system::adaptive::{LEAST_ORDER, order};
 use crate::system::input::{Polynomial, fitted};
 use crate::system::pace::{Pace, Wanted};
@@ -59,9 +59,17 @@ struct Series {
     coefficients: Vec<Vec<f64>>,
     events: Vec<Vec<f64>>,
     order: usize,
+    /// Whether the controls are held.
+    is_held: bool,
 }
 
 impl Terms for Series {
+    type Each<X: Copy + Send + Sync> = [X; 1];
+
+    fn each(value: f64) -> [f64; 1] {
+        [value]
+    }
+
     fn last(&self) -> usize {
         self.order
     }
@@ -70,9 +78,13 @@ impl Terms for Series {
         self.functions.blocks()
     }
 
-    fn largest(&self, order: usize, from: usize, length: usize) -> f64 {
+    fn held(&self) -> usize {
+        self.functions.controls().filter(|_| self.is_held).unwrap_or(usize::MAX)
+    }
+
+    fn largest(&self, order: usize, from: usize, length: usize) -> [f64; 1] {
         let larger = |largest: f64, x: &f64| if x.abs() > largest { x.abs() } else { largest };
-        self.coefficients[order][from..from + length].iter().fold(0.0, larger)
+        [self.coefficients[order][from..from + length].iter().fold(0.0, larger)]
     }
 }
 
@@ -82,12 +94,13 @@ impl Series {
         let coefficients = std::vec![std::vec![0.0; functions.blocks().iter().sum()]; order + 1];
         let events = std::vec![std::vec![0.0; functions.events().len()]; order];
         let (frame, operands) = (functions.frame(), [rows.clone(), rows]);
-        Self { functions, frame, operands, coefficients, events, order }
+        Self { functions, frame, operands, coefficients, events, order, is_held: true }
     }
 
     /// Computes all coefficients of the motion from a state on, with an input in the place of controls that are held.
     fn expand(&mut self, given: &Given<'_>, input: Option<&Polynomial<Vec<f64>>>) {
-        let Self { functions, frame, operands: [left, right], coefficients, events, order } = self;
+        self.is_held = input.is_none();
+        let Self { functions, frame, operands: [left, right], coefficients, events, order, .. } = self;
         let from = functions.controls();
         let drive = |coefficients: &mut [f64], order: usize| {
             let (Some(input), Some(from)) = (input, from) else { return };
@@ -213,7 +226,7 @@ impl DynamicTaylor {
         }
         let before = self.pace.begin();
         self.series.expand(&given, input);
-        let step = self.series.step(before, wanted.length);
+        let [step] = self.series.step(&[before], &[wanted.length]);
         let next = self.series.state(step);
         self.pace.took(step, is_finite(&next), wanted.end)?;
         crate::flat::copy(state, &next);
@@ -222,17 +235,12 @@ impl DynamicTaylor {
 }
 
 impl TaylorSteps for DynamicTaylor {
-    fn time(&self) -> f64 {
-        self.pace.time()
+    fn carried(&self) -> (&Pace, &[f64]) {
+        (&self.pace, &self.sizes)
     }
 
-    fn set_time(&mut self, time: f64) {
-        self.pace.set_time(time);
-        self.sizes.fill(0.0);
-    }
-
-    fn steps_taken(&self) -> u64 {
-        self.pace.taken
+    fn carried_mut(&mut self) -> (&mut Pace, &mut [f64]) {
+        (&mut self.pace, &mut self.sizes)
     }
 
     fn order(&self) -> usize {
@@ -243,33 +251,6 @@ impl TaylorSteps for DynamicTaylor {
         let order = order.clamp(LEAST_ORDER, MOST_COEFFICIENTS);
         self.series = Series::new(self.series.functions.clone(), order);
         self.pace.leave();
-    }
-
-    fn step_size(&self) -> f64 {
-        self.pace.step_size()
-    }
-
-    fn is_adaptive(&self) -> bool {
-        self.pace.fixed.is_none()
-    }
-
-    fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError> {
-        check_step(step)?;
-        self.pace.fixed = Some(step);
-        Ok(())
-    }
-
-    fn set_end(&mut self, time: f64) {
-        self.pace.end = time;
-    }
-
-    fn has_ended(&self) -> bool {
-        self.pace.has_ended()
-    }
-
-    fn go_on_at(&mut self, time: f64, steps: u64) {
-        self.pace.set_time(time);
-        self.pace.taken = steps;
     }
 
     fn step_beside(
@@ -319,20 +300,6 @@ impl TaylorSteps for DynamicTaylor {
         // be it that the state at its end is none: the series tells by itself how far it goes
         let _ = beside.advance_with(&mut state.to_vec(), control, None, Length::Exactly(length).into());
         beside.series.event(event, length, coefficients)
-    }
-
-    fn snapshot(&self) -> Vec<f64> {
-        self.pace.snapshot().into_iter().chain(self.sizes.iter().copied()).collect()
-    }
-
-    fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
-        let expected = Pace::MEMORY + self.sizes.len();
-        if memory.len() != expected {
-            return Err(ParameterError::Snapshot { expected, got: memory.len() });
-        }
-        let (own, sizes) = memory.split_at(Pace::MEMORY);
-        self.sizes.copy_from_slice(sizes);
-        self.pace.restore(own)
     }
 
     fn step_with(&mut self, state: &mut [f64], control: &[f64]) -> Result<f64, StepError> {

@@ -119,3 +119,52 @@ fn what_is_wrong_with_a_description_is_said_at_its_place() {
     fs::write(scratch.path("my_top.rs"), deep).expect("a file");
     assert!(refused(&run).contains("error: "));
 }
+
+/// A planet on an ellipse of eccentricity 0.9, which is fast where it is near.
+const PLANET: &str = "
+#[lie_poisson_system(
+    group = R3,
+    hamiltonian = momentum.norm_squared() / (2.0 * mass) - strength / position.norm(),
+    event(near = position.dot(&momentum), rising, axis = position.y),
+    taylor
+)]
+struct Planet {
+    mass: f64,
+    strength: f64,
+}
+";
+
+/// In the time of a step the planet goes around three times: between states that are looked at it is near and gone.
+#[test]
+fn taylor_steps_miss_no_event_between_the_times_of_steps() {
+    let scratch = Scratch::new("described_events");
+    fs::write(scratch.path("planet.rs"), PLANET).expect("a file");
+    let run = ["run", "--description", "planet.rs", "--set", "mass=1", "--set", "strength=1"];
+    let speed = 19_f64.sqrt().to_string();
+    let start = ["--set", "position=0.1,0,0", "--set", &format!("momentum=0,{speed},0")];
+    let run = with(&with(&run, &start), &["--tolerance", "1e-13", "--step", "20"]);
+    scratch.prints(&with(&run, &["--duration", "100", "--event", "near", "--event", "axis"]));
+    let name = scratch.files("out").into_iter().find(|name| name.ends_with(".events.csv")).expect("a table");
+    let table = scratch.read(&format!("out/{name}"));
+    let times = |name: &str| -> Vec<f64> {
+        let rows = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
+        rows.filter(|row| row[0] == name).map(|row| row[2].parse().expect("a number")).collect()
+    };
+    let orbit = std::f64::consts::TAU;
+    for (name, period) in [("near", orbit), ("axis", 0.5 * orbit)] {
+        let times = times(name);
+        assert_eq!(times.len(), (100.0 / period) as usize, "{table}");
+        for (k, time) in times.iter().enumerate() {
+            let exact = (k + 1) as f64 * period;
+            assert!((time - exact).abs() < 1e-9, "{name}: {time} instead of {exact}");
+        }
+    }
+    // and the run ends at one
+    let said = scratch.prints(&with(&run, &["--duration", "100", "--until", "near", "--out", "until"]));
+    assert!(said.contains("`near` comes at 6.28318530"), "{said}");
+    let table = scratch.read("until/planet-taylor-1e-13.csv");
+    assert!(table.lines().last().is_some_and(|row| row.starts_with("6.28318530")), "{table}");
+    let never = with(&run, &["--duration", "2", "--until", "near, falling", "--out", "never"]);
+    let never = scratch.prints(&never);
+    assert!(never.contains("comes in none of 1 steps"), "{never}");
+}
