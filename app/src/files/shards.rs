@@ -163,7 +163,8 @@ impl Shard {
     /// Writes it, without what it is a part of.
     pub(crate) fn to_bytes(&self) -> Vec<u8> {
         let Self { done, tally, seconds, width } = self;
-        let saved = Saved { done: done.clone(), tally: Bytes(tally.to_bytes()), seconds: *seconds, width: *width };
+        let saved =
+            Saved { done: done.clone(), tally: Bytes(tally.to_bytes()), seconds: *seconds, width: *width };
         // writing to memory does not fail
         postcard::to_stdvec(&saved).unwrap_or_default()
     }

@@ -391,7 +391,7 @@ fn members_of_an_ensemble_end_as_if_alone() {
     let starts: Vec<_> = (0..9).map(start).collect();
     assert_eq!(ends_as_if_alone("double pendulums", &Double { gravity: 9.81 }, &starts), 10);
     let (system, start, _) = pendulum();
-    assert_eq!(ends_as_if_alone("pendulums", &system, &vec![start; 5]), 5);
+    assert_eq!(ends_as_if_alone("pendulums", &system, &[start; 5]), 5);
     assert_eq!(ends_as_if_alone("none", &system, &[]), 0);
 
     // by themselves, the widest instructions are taken

@@ -274,7 +274,6 @@ mod tests {
             assert_eq!(found[0].0.as_ref().map(Statistics::to_bytes), Some(all.to_bytes()), "{size} ranks");
             // as many buckets as are kept, each with its digits and its count
             let most = 4096 * 11 + 4096;
-            println!("{size} ranks: the first received {} messages, {} bytes", found[0].1, found[0].2);
             assert_eq!(found[0].1, doubled, "{size} ranks");
             assert!(found.iter().all(|(_, messages, _)| *messages <= doubled), "{size} ranks");
             assert!(found[0].2 <= most * doubled as usize, "{size} ranks: {}", found[0].2);
