@@ -9,8 +9,8 @@
 pub(super) const THROUGH: usize = 8;
 /// Of so many where controls jump.
 pub(super) const LOW: usize = 3;
-/// A prediction that is off by less than this, in units, is off by rounding.
-pub(super) const SMALL: f64 = 4096.0;
+/// A prediction that is off by less than this, relative to the unknown, is off by rounding.
+pub(super) const SMALL: f64 = 1e-12;
 /// A prediction that is off by more than this, relative to the unknown, is forgotten.
 pub(super) const LOST: f64 = 0.1;
 
@@ -26,9 +26,6 @@ pub(super) const HARDLY: f64 = 0.025;
 /// But it is no less and no more than this, in units. Less would be rounding; where it is more, what is evaluated before the last iteration is not what
 /// belongs to the solution. The last one is for all iterations but the first, which contract by more than the angle of a step in some planes.
 pub(super) const TOLERANCE: [f64; 3] = [8.0, 128.0, 16.0];
-/// Where iterations contract so strongly that this is more, it may be `c / rate`: what is evaluated before the last iteration is off by
-/// `rate × change`, with this `c` by half a unit.
-pub(super) const ALIKE: f64 = 0.5;
 /// The most simplified Newton steps on the fast path beside the first.
 pub(super) const FEW: u32 = 3;
 /// What the last of several simplified Newton steps leaves, if it contracts as it shows to, in units.
@@ -41,8 +38,8 @@ pub(super) const FORGETS: f64 = 0.25;
 pub(super) const NEWTON: [f64; 2] = [2.0, 1e8];
 /// The largest rate of contraction of which `c / rate²` is as much as the last of these.
 pub(super) const QUICK: f64 = 0.04;
-/// Changes from here on show the rate of contraction, in units, down to one over it.
-pub(super) const SHARP: f64 = 1024.0;
+/// Changes from here on show the rate of contraction, in units.
+pub(super) const SHARP: f64 = 256.0;
 /// Steps between two measurements of the rate: at first, and in the long run.
 pub(super) const INTERVALS: [u16; 2] = [16, 2048];
 

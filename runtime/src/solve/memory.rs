@@ -1,6 +1,6 @@
 //! What a step remembers of the ones before it: it saves time, and nothing else.
 
-use super::constants::{ALIKE, FORGETS, HARDLY, INTERVALS, NEWTON, SHARP, STRONG, TOLERANCE};
+use super::constants::{FORGETS, HARDLY, INTERVALS, NEWTON, SHARP, STRONG, TOLERANCE};
 use super::predictor::Predictor;
 use crate::kernel::Kernel;
 use crate::scalar::{Batch, Components, Mask, Real};
@@ -140,12 +140,7 @@ pub(super) fn tolerance<T: Batch>(rate: T, is_newton: bool) -> T {
     let [least, most, _] = TOLERANCE;
     let units = match is_newton {
         true => clamped(T::of(NEWTON[0]) / rate, [least, NEWTON[1]]),
-        false => {
-            let (units, is_alike) =
-                (clamped(T::of(HARDLY) / (rate * rate), [least, most]), rate.lt(T::of(ALIKE / most)));
-            // rare
-            if is_alike.any() { T::select(is_alike, T::of(ALIKE) / rate, units) } else { units }
-        }
+        false => clamped(T::of(HARDLY) / (rate * rate), [least, most]),
     };
     T::select(rate.le(T::of(STRONG)), T::of(T::EPSILON) * units, T::of(-1.0))
 }

@@ -151,7 +151,7 @@ impl Kernel<'_> {
             .prefix("K_", format!("{}_", self.prefix))
             .with("SIZE", self.size().to_string())
             .with("RECIPROCALS", reciprocals.join(", "))
-            .with("LEAST_RATE", spelling.number(if self.step.is_newton { 2.0 / 1e8 } else { 1.0 / 1024.0 }))
+            .with("LEAST_RATE", spelling.number(if self.step.is_newton { 2.0 / 1e8 } else { 1.0 / 256.0 }))
             .with("FULL", filled(if self.step.is_newton { "U_THROUGH" } else { "U_WINDOW" }))
             .with("FIRST_WEIGHT", filled(if self.step.is_newton { "U_BINOMIAL_0" } else { "U_WEIGHTS_0" }))
             .with("ITERATION", if self.step.is_newton { "an iteration or a few" } else { "one iteration" })

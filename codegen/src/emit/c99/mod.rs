@@ -367,18 +367,8 @@ const COUNTS: &[&str] = &[
 ];
 const DOUBLES: &[&str] = &["SHORTEST", "STRIDE", "ON_THE_WAY"];
 /// Those of equations that are solved in few lines.
-const COMPACT: &[&str] = &[
-    "STRONG",
-    "FAR",
-    "ITERATIONS",
-    "HARDLY",
-    "TOLERANCE",
-    "ALIKE",
-    "NEWTON",
-    "SHARP",
-    "RESIDUAL",
-    "PROGRESS",
-];
+const COMPACT: &[&str] =
+    &["STRONG", "FAR", "ITERATIONS", "HARDLY", "TOLERANCE", "NEWTON", "SHARP", "RESIDUAL", "PROGRESS"];
 
 fn constants(spelling: &Spelling<'_>, is_compact: bool) -> Vec<Words> {
     let spelled = |name: &str, value: f64| {

@@ -45,8 +45,7 @@ U_FN REAL K_tolerance(REAL rate)
 //if newton
     const REAL units = S_clamped(U_NEWTON_0 / rate, U_TOLERANCE_0, U_NEWTON_1);
 //else
-    const REAL hardly = S_clamped(U_HARDLY / (rate * rate), U_TOLERANCE_0, U_TOLERANCE_1);
-    const REAL units = rate < U_ALIKE / U_TOLERANCE_1 ? U_ALIKE / rate : hardly;
+    const REAL units = S_clamped(U_HARDLY / (rate * rate), U_TOLERANCE_0, U_TOLERANCE_1);
 //end
     return rate <= U_STRONG ? U_EPSILON * units : -ONE;
 }
