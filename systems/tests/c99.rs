@@ -692,7 +692,12 @@ fn fits_a_microcontroller(header: &str, code: &str) {
         println!("SKIPPED: there is no arm-none-eabi-gcc, so that the firmware's size was not looked at");
         return;
     };
-    assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
+    let said = String::from_utf8_lossy(&compiled.stderr);
+    if said.contains("math.h: No such file") {
+        println!("SKIPPED: arm-none-eabi-gcc has no C library, so that the firmware's size was not looked at");
+        return;
+    }
+    assert!(compiled.status.success(), "{said}");
     let sizes = String::from_utf8_lossy(&sizes.stdout).into_owned();
     let text = sizes.lines().nth(1).and_then(|line| line.split_whitespace().next()?.parse::<u32>().ok());
     assert!(text.is_some_and(|bytes| bytes <= 3000), "{sizes}");

@@ -140,6 +140,30 @@ fn every_scheme_of_the_catalogue_is_the_interpreters() {
     assert!(moved > 300 && failed < moved / 3, "{taken:?}");
 }
 
+/// The first half of a step has nothing to solve, the second has: the vector potential depends on the position in two directions alone.
+#[test]
+fn halves_with_and_without_unknowns_are_the_interpreters() {
+    let model = Model::from_text(
+        "#[lie_poisson_system(group = R3, hamiltonian = {
+            let grow = 1.0 + shape * (position.x.powi(2) + position.y.powi(2));
+            let a = vector![-position.y, position.x, 0.0] * (0.5 * field * grow);
+            (momentum - charge * a).norm_squared() / (2.0 * mass) + charge * push * position.x
+        })]
+        struct Particle { mass: f64, charge: f64, field: f64, shape: f64, push: f64 }",
+    )
+    .unwrap();
+    let halves = [Rule::Member(0, 1), Rule::Member(1, 1)];
+    let unknowns = halves.map(|half| {
+        let steps = &model.definition().steps;
+        let step = steps.iter().find(|step| step.schemes.contains(&(RetractionKind::Exponential, half)));
+        step.unwrap().layout.unknown.len()
+    });
+    assert!(unknowns.contains(&0) && unknowns.iter().any(|count| *count > 0), "{unknowns:?}");
+    for scheme in schemes(&model).iter().map(String::as_str).chain(["Exponential"]) {
+        assert!(Motion::some(&model, scheme, 0.05).check(&model, 200), "{scheme}");
+    }
+}
+
 const TOP: &str =
     "#[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.dot(&chi))]
 struct HeavyTop {

@@ -16,7 +16,6 @@ mod laws;
 mod map;
 mod second_kind;
 mod systems;
-mod taylor;
 mod together;
 mod unsolved;
 mod within;

@@ -281,6 +281,12 @@ pub const fn row_length(unknowns: usize) -> usize {
     }
 }
 
+/// Whether steps of so many unknowns each have the same room for them.
+pub(super) const fn have_the_same_room(one: usize, other: usize) -> bool {
+    // with room for none, rows are as long as with room for some
+    row_length(one) == row_length(other) && (one == 0) == (other == 0)
+}
+
 /// Makes something of a step's kernel.
 pub(super) fn of_kernel<T: Called, O: OfKernel<T>>(step: &Arc<Step>, of: O) -> O::Made {
     match step.layout.unknown.len() {

@@ -4,7 +4,7 @@ use std::boxed::Box;
 use std::sync::Arc;
 use std::vec::Vec;
 
-use super::kernel::{DynamicKernel, OfKernel, of_kernel};
+use super::kernel::{DynamicKernel, OfKernel, have_the_same_room, of_kernel};
 use super::method::DynamicMethod;
 use super::step::Step;
 use crate::flat::Method;
@@ -20,10 +20,7 @@ pub(super) fn pair(
     parameters: &[f64],
     step: f64,
 ) -> Option<Box<dyn Method<f64>>> {
-    // with room for as many unknowns
-    if super::kernel::row_length(first.layout.unknown.len())
-        != super::kernel::row_length(second.layout.unknown.len())
-    {
+    if !have_the_same_room(first.layout.unknown.len(), second.layout.unknown.len()) {
         return None;
     }
     of_kernel(first, OfPair { steps: [first, second], place, parameters, step })
