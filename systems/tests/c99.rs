@@ -694,7 +694,9 @@ fn fits_a_microcontroller(header: &str, code: &str) {
     };
     let said = String::from_utf8_lossy(&compiled.stderr);
     if said.contains("math.h: No such file") {
-        println!("SKIPPED: arm-none-eabi-gcc has no C library, so that the firmware's size was not looked at");
+        println!(
+            "SKIPPED: arm-none-eabi-gcc has no C library, so that the firmware's size was not looked at"
+        );
         return;
     }
     assert!(compiled.status.success(), "{said}");

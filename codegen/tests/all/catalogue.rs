@@ -158,7 +158,8 @@ fn what_the_library_is_tested_with_makes_what_it_made() {
         struct Hardening { stiffness: f64 }",
     );
     let implicit = implicit.into_iter().map(|description| ("implicit".to_owned(), description));
-    assert_same("library", described("tests/tests/library").into_iter().chain(implicit));
+    let tested = ["tests/tests/library", "tests/tests/taylor"].into_iter().flat_map(described);
+    assert_same("library", tested.chain(implicit));
 }
 
 /// Derivatives, as their tests have them, and where not all of them are asked for.
