@@ -1,7 +1,9 @@
 """Memory does not grow with the number of runs."""
 
+import ctypes
 import gc
 import os
+import sys
 import time
 
 import pytest
@@ -12,12 +14,27 @@ import coadjoint as co
 SECONDS = 8.0 if "COADJOINT_CAMPAIGN" not in os.environ else 3600.0
 
 
-def resident():
-    with open("/proc/self/statm") as file:
-        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+class Allocated(ctypes.Structure):
+    """What glibc says of its memory: `struct mallinfo2`."""
+
+    _fields_ = [
+        (name, ctypes.c_size_t)
+        for name in "arena ordblks smblks hblks hblkhd usmblks fsmblks uordblks fordblks keepcost".split()
+    ]
 
 
-@pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="nothing tells how much memory there is in use")
+LIBC = ctypes.CDLL(None)
+
+
+def in_use():
+    """Bytes that are allocated, and small objects of Python: pages of the process also say how scattered free ones are."""
+    gc.collect()
+    LIBC.mallinfo2.restype = Allocated
+    memory = LIBC.mallinfo2()
+    return memory.uordblks + memory.hblkhd, sys.getallocatedblocks()
+
+
+@pytest.mark.skipif(not hasattr(LIBC, "mallinfo2"), reason="nothing tells how much memory there is in use")
 def test_short_runs_leave_nothing(top, y0, cart):
     bad = top.state(y0)
     bad.attitude[0] = 2.0
@@ -40,14 +57,13 @@ def test_short_runs_leave_nothing(top, y0, cart):
                     co.System(group="SO3", potential="wrong", inertia="i: Vector3")
         return count
 
-    # caches and allocators are warm after some
+    # caches are warm after some
     some(1000)
-    gc.collect()
-    before, begun, runs = resident(), time.monotonic(), 0
+    before, begun, runs = in_use(), time.monotonic(), 0
     while time.monotonic() - begun < SECONDS and runs < 100_000:
         runs += some(500)
-    gc.collect()
-    grown = resident() - before
-    # what is lost in each run would be a solution, more than a thousand bytes; allocators take some pages more
-    assert grown < 400_000 + 20 * runs, f"{grown / runs:.1f} bytes for each of {runs} runs"
-    print(f"{runs} runs, {grown / runs:.2f} bytes for each")
+    grown = [after - was for was, after in zip(before, in_use())]
+    # what is lost in each run would be a solution: more than a thousand bytes, and some objects
+    assert grown[0] < 50_000 + runs, f"{grown[0] / runs:.1f} bytes for each of {runs} runs"
+    assert grown[1] < 500 + runs // 100, f"{grown[1] / runs:.3f} objects for each of {runs} runs"
+    print(f"{runs} runs, {grown[0]} bytes and {grown[1]} objects more")
