@@ -52,12 +52,12 @@ impl Given {
 }
 
 /// Runs a function: what is `given`, by its component, goes to its places, where what is not given stays as it is; and each number that is
-/// returned is shown, by the array's number and its own.
+/// returned is shown, by the array's number and its own. Compiled once for all systems.
 pub(crate) fn run<N: Scalar>(
     code: &[u8],
     places: &mut [N],
-    given: impl Fn(Given, usize) -> Option<N>,
-    mut returned: impl FnMut(usize, usize, N),
+    given: &dyn Fn(Given, usize) -> Option<N>,
+    returned: &mut dyn FnMut(usize, usize, N),
 ) {
     let mut code = Code(code);
     for _ in 0..code.count() {
@@ -286,7 +286,7 @@ mod tests {
         let code: &'static [u8] = [unpacked, body].concat().leak();
         let mut results = [Vec::new(), Vec::new()];
         let given = |given, component: usize| (given == Given::Unknown).then_some([X, Y][component]);
-        run(code, &mut [Wide::of(0.0); 201], given, |array, _, value| results[array].push(value));
+        run(code, &mut [Wide::of(0.0); 201], &given, &mut |array, _, value| results[array].push(value));
         results
     }
 

@@ -332,7 +332,7 @@ impl<T: Batch, K: Kernel<T>> Work for Roundoff<'_, T, K> {
         let mut places = K::Places::splat(Bounded::of(0.0));
         let mut bound = K::Unknown::splat(T::of(0.0));
         let code = K::PROGRAM[Function::Evaluate as usize];
-        bytecode::run(code, places.as_mut(), given, |array, i, residual: Bounded<T::Number>| {
+        bytecode::run(code, places.as_mut(), &given, &mut |array, i, residual: Bounded<T::Number>| {
             if let (0, Some(bound)) = (array, bound.as_mut().get_mut(i)) {
                 bound.set_lane(lane, residual.error);
                 *bound = T::of(T::EPSILON) * *bound;

@@ -81,7 +81,7 @@ impl<'a, N: Scalar> Machine<'a, N> {
     /// Calls a function, which returns two arrays at most.
     fn call(&mut self, function: Function, given: impl Fn(Given, usize) -> Option<N>) -> [Vec<N>; 2] {
         let mut results = [Vec::new(), Vec::new()];
-        bytecode::run(self.program[function as usize], &mut self.places, given, |array, _, value| {
+        bytecode::run(self.program[function as usize], &mut self.places, &given, &mut |array, _, value| {
             if let Some(result) = results.get_mut(array) {
                 result.push(value);
             }

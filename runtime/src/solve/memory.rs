@@ -121,15 +121,17 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
     }
 
     /// Shows all that is remembered, for [`Method::memory`](crate::method::Method::memory).
-    pub(super) fn memory<K: Kernel<T, Unknown = U>>(&mut self, kernel: &K, visit: &mut dyn FnMut(&mut [T])) {
-        self.predictor.memory(visit, kernel.is_newton());
+    ///
+    /// Of the kernel it knows nothing but this: it is compiled once for all that have as many unknowns.
+    pub(super) fn memory(&mut self, is_newton: bool, visit: &mut dyn FnMut(&mut [T])) {
+        self.predictor.memory(visit, is_newton);
         let mut numbers = [T::of(f64::from(self.due)), T::of(f64::from(self.interval))];
         visit(&mut numbers);
         // the same in all lanes
         let [due, interval] = [numbers[0].lane(0).to_f64() as u16, numbers[1].lane(0).to_f64() as u16];
         (self.due, self.interval) = (due, interval.min(INTERVALS[1]));
         visit(core::slice::from_mut(&mut self.rate));
-        self.tolerance = tolerance(self.rate, kernel.is_newton());
+        self.tolerance = tolerance(self.rate, is_newton);
         self.settle();
     }
 }

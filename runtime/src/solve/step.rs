@@ -141,7 +141,7 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
-        self.memory.memory(&self.kernel, visit);
+        self.memory.memory(self.kernel.is_newton(), visit);
     }
 }
 
@@ -345,12 +345,12 @@ impl<T: Batch, K: Kernel<T>> Work for SlowPath<'_, T, K> {
         }
         let step = &kernel.begin(state, time, control);
         let equation = &AtState { kernel: &*kernel, state, step };
-        let mut before = None;
+        let (guess, mut before) = (&guess(equation, memory), None);
         if const { K::HAS_FIXED_POINT_UPDATE && <K::Unknown as Components<T>>::LENGTH > 0 }
             && kernel.has_fixed_point_update()
             && memory.tries().any()
         {
-            let solution = fixed_point::solve(equation, memory, &guess(equation, memory), first);
+            let solution = fixed_point::solve(equation, memory, guess, first);
             // numbers stay in registers; in lanes there are too few
             if const { T::LANES == 1 }
                 && let Some(advanced) = advanced(equation, memory, &solution, time, control)
@@ -359,34 +359,36 @@ impl<T: Batch, K: Kernel<T>> Work for SlowPath<'_, T, K> {
             }
             before = Some(solution);
         }
-        let (mut solution, mut errors, mut is_rescued) =
-            (by_newton(equation, memory, before), T::all(None), false);
+        let mut solution = match before {
+            Some(solution) if solution.solved.all() => solution,
+            _ => by_newton(equation, memory, guess, before),
+        };
+        let (mut errors, mut is_rescued) = (T::all(None), false);
         loop {
             let Accepted { next, good, inside } = accept(equation, &solution, time, control);
             let Solution { iterations, residual, .. } = solution;
             let advanced = Advanced { state: next, iterations, residual };
+            let given = finite(state) & finite(control) & time.is_finite();
+            if !good.all() && !is_rescued {
+                errors = rescue(equation, &mut solution, given & !good);
+                is_rescued = true;
+                continue;
+            }
+            if good.any() {
+                T::dispatch(Learn { equation, memory, solution: &solution.unknown, rate: solution.rate });
+            } else {
+                memory.forget();
+            }
             if good.all() {
-                memory.learn(kernel, || equation.start(), &solution.unknown, solution.rate);
                 return Ok(advanced);
             }
-            let given = finite(state) & finite(control) & time.is_finite();
-            if is_rescued {
-                if good.any() {
-                    memory.learn(kernel, || equation.start(), &solution.unknown, solution.rate);
-                } else {
-                    memory.forget();
-                }
-                let errors = T::each(|lane| {
-                    let late =
-                        if inside.lane(lane) { StepError::NotFinite } else { StepError::OutsideDomain };
-                    let error = errors.as_ref()[lane].unwrap_or(late);
-                    let is_given = given.lane(lane);
-                    (!good.lane(lane)).then_some(if is_given { error } else { StepError::NotFinite })
-                });
-                return Err(Failure { errors, advanced });
-            }
-            errors = rescue(equation, &mut solution, given & !good);
-            is_rescued = true;
+            let errors = T::each(|lane| {
+                let late = if inside.lane(lane) { StepError::NotFinite } else { StepError::OutsideDomain };
+                let error = errors.as_ref()[lane].unwrap_or(late);
+                let is_given = given.lane(lane);
+                (!good.lane(lane)).then_some(if is_given { error } else { StepError::NotFinite })
+            });
+            return Err(Failure { errors, advanced });
         }
     }
 }
@@ -417,20 +419,17 @@ fn predicted<T: Batch, K: Kernel<T>>(
 fn by_newton<T: Batch, K: Kernel<T>>(
     equation: &AtState<'_, T, K>,
     memory: &Memory<T, K::Unknown>,
+    guess: &K::Unknown,
     before: Option<SolutionOf<T, K>>,
 ) -> SolutionOf<T, K> {
-    let guess = guess(equation, memory);
     if const { <K::Unknown as Components<T>>::LENGTH == 0 } {
-        return Solution::of(equation, &guess, T::Mask::splat(true), memory.rate);
+        return Solution::of(equation, guess, T::Mask::splat(true), memory.rate);
     }
     let (mut elsewhere, mut rate) = (T::Mask::splat(memory.predictor.remembers()), memory.rate);
     if let Some(before) = &before {
-        if before.solved.all() {
-            return *before;
-        }
         (elsewhere, rate) = (elsewhere & !memory.is_strong(), before.rate);
     }
-    let newton = Newton { equation, before: before.as_ref(), from: &guess, elsewhere, rate };
+    let newton = Newton { equation, before: before.as_ref(), from: guess, elsewhere, rate };
     // numbers stay in registers; in lanes it is long
     if const { T::LANES == 1 && !K::HAS_FIXED_POINT_UPDATE } { newton.done() } else { T::dispatch(newton) }
 }
@@ -485,9 +484,28 @@ fn advanced<T: Batch, K: Kernel<T>>(
     if !accepted.good.all() {
         return None;
     }
-    memory.learn(equation.kernel, || equation.start(), &solution.unknown, solution.rate);
+    T::dispatch(Learn { equation, memory, solution: &solution.unknown, rate: solution.rate });
     let Solution { iterations, residual, .. } = *solution;
     Some(Advanced { state: accepted.next, iterations, residual })
+}
+
+/// Remembers a step that needed more than one iteration: for all ways that lead to one.
+struct Learn<'a, T: Batch, K: Kernel<T>> {
+    equation: &'a AtState<'a, T, K>,
+    memory: &'a mut Memory<T, K::Unknown>,
+    solution: &'a K::Unknown,
+    rate: T,
+}
+
+impl<T: Batch, K: Kernel<T>> Work for Learn<'_, T, K> {
+    type CallSite = K;
+    type Result = ();
+
+    #[inline(always)]
+    fn done(self) {
+        let Self { equation, memory, solution, rate } = self;
+        memory.learn(equation.kernel, || equation.start(), solution, rate);
+    }
 }
 
 /// The end of a step from the solution of its equation.

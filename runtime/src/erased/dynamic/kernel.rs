@@ -248,7 +248,7 @@ impl<T: Called, const U: usize> Kernel<T> for DynamicKernel<T, U> {
                 _ => None,
             };
             let code = &step.program[Function::Evaluate as usize];
-            bytecode::run(code, &mut places, given, |array, i, residual: Bounded<f64>| {
+            bytecode::run(code, &mut places, &given, &mut |array, i, residual: Bounded<f64>| {
                 if let (0, Some(bound)) = (array, bound.get_mut(i)) {
                     bound.set_lane(lane, residual.error);
                     *bound = T::of(T::EPSILON) * *bound;
