@@ -42,7 +42,7 @@ pub const CONSTANTS: &[Constant] = &[
     constant("FEW", &[3.0], "the most simplified Newton steps on the fast path beside the first"),
     constant("LEFT", &[4.0], "what the last of several of them leaves, in units"),
     constant("FORGETS", &[0.25], "their rate becomes smaller by this factor at most each time that it is measured"),
-    constant("SMALL", &[1e-12], "a prediction off by less is off by rounding"),
+    constant("SMALL", &[4096.0], "a prediction off by less, in units, is off by rounding"),
     constant("LOST", &[0.1], "a prediction off by more is forgotten"),
     constant("STRONG", &[0.25], "iterations that contract by this factor are gone on with"),
     constant("FAR", &[1e30], "a change before there is any"),

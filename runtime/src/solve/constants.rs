@@ -9,8 +9,8 @@
 pub(super) const THROUGH: usize = 8;
 /// Of so many where controls jump.
 pub(super) const LOW: usize = 3;
-/// A prediction that is off by less than this, relative to the unknown, is off by rounding.
-pub(super) const SMALL: f64 = 1e-12;
+/// A prediction that is off by less than this, in units, is off by rounding.
+pub(super) const SMALL: f64 = 4096.0;
 /// A prediction that is off by more than this, relative to the unknown, is forgotten.
 pub(super) const LOST: f64 = 0.1;
 

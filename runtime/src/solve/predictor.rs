@@ -187,7 +187,8 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
             self.note(solution);
         }
         let next = from_start(&self.next);
-        if self.is_full && is_within::<T, _>(blocks, &next, solution, T::of(SMALL)).all() {
+        let small = T::of(SMALL * T::EPSILON);
+        if self.is_full && is_within::<T, _>(blocks, &next, solution, small).all() {
             let begun = self.begun::<Portable>(self.oldest, is_newton);
             self.push(&kept);
             self.next = Self::then(&begun, &kept, is_newton);
@@ -201,8 +202,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         let is_long = low.lt(known);
         if is_long.any() {
             let by_few = from_start(&self.through(low));
-            let is_jump =
-                is_long & T::of(SMALL).lt(off) & weighted::<T, _>(weights, &by_few, solution).lt(off);
+            let is_jump = is_long & small.lt(off) & weighted::<T, _>(weights, &by_few, solution).lt(off);
             self.count = T::select(is_jump, low, self.count);
         }
         self.push(&kept);

@@ -155,7 +155,7 @@ U_FN void K_learn_solution(const K_equation *q, K_memory *m, const REAL *solutio
     const REAL *const kept = solution, *const next = m->next;
     (void)q;
 //end
-    if (m->count >= FULL && K_is_within(next, solution, U_SMALL)) {
+    if (m->count >= FULL && K_is_within(next, solution, U_SMALL * U_EPSILON)) {
 //if newton
         K_eighth(m, m->oldest, begun);
 //else
@@ -181,7 +181,7 @@ U_FN void K_learn_solution(const K_equation *q, K_memory *m, const REAL *solutio
 //if newton
         K_from_start(start, by_few, by_few);
 //end
-        if (off > U_SMALL && K_weighted(weights, by_few, solution) < off)
+        if (off > U_SMALL * U_EPSILON && K_weighted(weights, by_few, solution) < off)
             m->count = U_LOW;
     }
     K_copy(m->ring[m->oldest++ % (unsigned)U_WINDOW], kept);
