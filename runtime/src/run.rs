@@ -463,7 +463,7 @@ where
         let events = self.stepper.system().events();
         let place = events.iter().position(|(known, _)| *known == name);
         let event = place.and_then(|place| events.get(place)).map_or(Event::any(), |(_, event)| *event);
-        self.doing(Watched::new(event, Described(place.unwrap_or(usize::MAX)), action))
+        self.doing(Watched::new(event, Described(place), action))
     }
 
     /// As [`event`](Self::event), for a list of events, of which there are as many as the program finds out when it runs: each with its condition
@@ -494,8 +494,7 @@ where
     {
         let count = self.stepper.system().events().len();
         let watched = events.into_iter().map(|(place, event, action)| {
-            let place = if place < count { place } else { usize::MAX };
-            Watched::new(event, Described(place), action)
+            Watched::new(event, Described(Some(place).filter(|place| *place < count)), action)
         });
         self.doing(watched.collect())
     }

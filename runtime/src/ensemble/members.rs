@@ -12,7 +12,7 @@ use crate::scalar::instructions::Instructions;
 use crate::scalar::simd::lanes::{Lanes, Portable};
 #[cfg(target_arch = "x86_64")]
 use crate::scalar::simd::processor::{Avx2, Avx512};
-use crate::scalar::{Batch, Real, Scalar};
+use crate::scalar::{Batch, Real};
 
 /// Parameters and initial state of a member.
 #[derive(Clone, Debug)]
@@ -218,7 +218,7 @@ fn blocks<T: Batch>(members: &[Member], step: f64, method: &mut Make<'_, T>) -> 
         let side_by_side = |of: fn(&Member) -> &[f64]| -> Vec<T> {
             let mut all: Vec<T> = of(&members[0]).iter().map(|_| T::of(0.0)).collect();
             for lane in 0..T::LANES {
-                put(&mut all, lane, of(members.get(lane).unwrap_or(&members[0])));
+                Batch::put(&mut all, lane, of(members.get(lane).unwrap_or(&members[0])));
             }
             all
         };
@@ -338,7 +338,7 @@ impl<T: Batch> Block for LaneBlock<T> {
                         for lane in (0..T::LANES).filter(|lane| matches!(lanes[*lane], Lane::Alive)) {
                             control.fill(0.0);
                             input(*first + lane, time + share * clock.step, &mut control);
-                            put(controls, lane, &control);
+                            Batch::put(controls, lane, &control);
                         }
                     };
                     method.set_inputs(*controls, Some(&mut part));
@@ -386,14 +386,7 @@ impl<T: Batch> Block for LaneBlock<T> {
 
     fn set_control(&mut self, lane: usize, control: &[f64]) {
         self.control.resize(control.len(), T::of(0.0));
-        put(&mut self.control, lane, control);
-    }
-}
-
-/// Puts numbers into a lane.
-fn put<T: Batch>(all: &mut [T], lane: usize, one: &[f64]) {
-    for (numbers, number) in all.iter_mut().zip(one) {
-        numbers.set_lane(lane, T::Number::of(*number));
+        Batch::put(&mut self.control, lane, control);
     }
 }
 

@@ -181,14 +181,14 @@ impl<S: Dynamics + ?Sized, G: FnMut(&S::State, f64) -> f64> Condition<S> for G {
     const JUMPS: bool = false;
 }
 
-/// An event of the description, by its place: [`Run::on`](crate::Run::on).
+/// An event of the description, by its place, if there is one: [`Run::on`](crate::Run::on).
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug)]
-pub struct Described(pub(crate) usize);
+pub struct Described(pub(crate) Option<usize>);
 
 impl<S: Dynamics + ?Sized> Condition<S> for Described {
     fn value(&mut self, dense: &mut dyn Dense<S>, state: &S::State, time: f64) -> f64 {
-        dense.event(self.0, state, time)
+        self.0.map_or(f64::NAN, |event| dense.event(event, state, time))
     }
 
     fn series(
@@ -197,14 +197,14 @@ impl<S: Dynamics + ?Sized> Condition<S> for Described {
         from: f64,
         coefficients: &mut Coefficients,
     ) -> Option<(usize, f64)> {
-        dense.series(self.0, from, coefficients)
+        dense.series(self.0?, from, coefficients)
     }
 
     // with the controls
     const JUMPS: bool = true;
 
     fn is_there(&self) -> bool {
-        self.0 != usize::MAX
+        self.0.is_some()
     }
 }
 
@@ -548,7 +548,7 @@ mod tests {
         let mut all = Vec::new();
         let action =
             |event: &mut Occurrence<'_, Oscillator>| all.push((event.time() - 7.0, event.crossing()));
-        let mut within = Watched::new(event, Described(0), action);
+        let mut within = Watched::new(event, Described(Some(0)), action);
         let value = |share| Polynomial { coefficients, looks: 0, before: OscillatorState::REST }.value(share);
         let [start, end] = [0.0, 1.0].map(|share| OscillatorState::new(value(share), 0.0));
         let mut dense = Polynomial { coefficients, looks: 0, before: start };

@@ -205,6 +205,12 @@ pub trait Batch: Scalar + sealed::Sealed {
     fn lane(&self, lane: usize) -> Self::Number;
     /// Puts a number into a lane.
     fn set_lane(&mut self, lane: usize, number: Self::Number);
+    /// Puts numbers into a lane of as many.
+    fn put<X: Real>(all: &mut [Self], lane: usize, one: &[X]) {
+        for (numbers, number) in all.iter_mut().zip(one) {
+            numbers.set_lane(lane, Self::Number::of(number.to_f64()));
+        }
+    }
     /// The absolute values.
     fn abs(self) -> Self;
     /// Neither infinite nor not-a-number.

@@ -131,8 +131,8 @@ impl<S: PowerSeries, T: Batch<Number = f64>> Together<'_, S, T> {
     /// Puts a member into a lane, if it has a way to go.
     fn enter(&mut self, lane: usize, member: usize) {
         let (trajectory, state) = &self.members[member];
-        put(self.parameters.as_mut(), lane, trajectory.system.to_parameters().as_ref());
-        put(self.state.as_mut(), lane, state.to_components().as_ref());
+        Batch::put(self.parameters.as_mut(), lane, trajectory.system.to_parameters().as_ref());
+        Batch::put(self.state.as_mut(), lane, state.to_components().as_ref());
         self.prepare(lane, member);
     }
 
@@ -149,7 +149,7 @@ impl<S: PowerSeries, T: Batch<Number = f64>> Together<'_, S, T> {
         self.now.set_lane(lane, now.to_f64());
         if S::Velocity::<T>::LENGTH > 0 {
             let velocity = trajectory.system.start_velocity(&state, now, &S::Control::default());
-            put(self.velocity.as_mut(), lane, velocity.as_ref());
+            Batch::put(self.velocity.as_mut(), lane, velocity.as_ref());
         }
         match next {
             Ok(Some(wanted)) => self.lanes.as_mut()[lane] = Some(Lane { member, wanted }),
@@ -206,13 +206,6 @@ impl<S: PowerSeries, T: Batch<Number = f64>> Together<'_, S, T> {
                 self.members[member].0.series.take_lane(&self.series, lane);
             }
         }
-    }
-}
-
-/// Puts numbers into a lane.
-fn put<T: Batch<Number = f64>, X: Real>(all: &mut [T], lane: usize, one: &[X]) {
-    for (numbers, number) in all.iter_mut().zip(one) {
-        numbers.set_lane(lane, number.to_f64());
     }
 }
 
