@@ -175,7 +175,7 @@ fn ours<S, M>(
     instructions: Instructions,
 ) -> Run<'static>
 where
-    S: Discretized<M> + System<Scalar = f64>,
+    S: Discretized<M> + System<Scalar = f64> + 'static,
     M: 'static,
 {
     let states = (0..MEMBERS).map(|member| start(momentum(BODIES[body].1, member)));
