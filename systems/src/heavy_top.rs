@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
     group = SO3,
     advected(gamma: R3),
     potential = weight * gamma.dot(&chi),
-    methods(Midpoint),
+    methods(Midpoint, HamiltonJacobi(6)),
     retractions(Exponential, Cayley, SecondKind),
     taylor,
     units(momentum = "kg m²/s"),

@@ -24,6 +24,8 @@ pub enum Color {
     Order8,
     /// Of order 10.
     Order10,
+    /// Hamilton–Jacobi steps.
+    HamiltonJacobi,
     /// The classical method of order 4.
     Rk4,
     /// The method of Runge, Kutta, Munthe and Kaas, of order 4.
@@ -78,6 +80,7 @@ impl Color {
             Color::Order6 => ["#9c2a5b", "#d53a8f"],
             Color::Order8 => ["#6a1f7a", "#c54af0"],
             Color::Order10 => ["#2d1050", "#ddc7fd"],
+            Color::HamiltonJacobi => ["#3d2b00", "#f5ff8a"],
             Color::Rk4 | Color::Z => ["#009e73", "#2cbf94"],
             Color::Rkmk4 => ["#cc6fa8", "#ee9dc7"],
             Color::Rk2 | Color::ExplicitEuler | Color::Y => ["#d55e00", "#f08a45"],
@@ -133,7 +136,7 @@ mod tests {
     fn colours_of_one_picture_are_told_apart_with_any_vision() {
         use Color::*;
         let pictures: [&[Color]; 4] = [
-            &[Exponential, Cayley, Order4, Order6, Order8, Order10, Rk4, Rkmk4],
+            &[Exponential, Cayley, Order4, Order6, Order8, Order10, HamiltonJacobi, Rk4, Rkmk4],
             &[ExplicitEuler, ImplicitEuler, EulerA, EulerB, Ink],
             &[Rk2, Rk2Projected, Verlet, Ink],
             &[X, Y, Z],

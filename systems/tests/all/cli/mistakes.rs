@@ -90,7 +90,7 @@ fn bad_input_is_refused_with_a_message() {
         (&["run", "heavy_top", "--method", "tangent-lift", "--order", "4"], 2, "take one of standard"),
         (&["run", "free_rigid_body", "--method", "hamilton-jacobi"], 2, "takes an order above 2"),
         (
-            &["run", "heavy_top", "--method", "hamilton-jacobi", "--order", "6"],
+            &["run", "kepler", "--method", "hamilton-jacobi", "--order", "6"],
             2,
             "HamiltonJacobi<Exponential, 6>",
         ),

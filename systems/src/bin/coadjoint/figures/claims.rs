@@ -3,7 +3,9 @@
 use crate::figures::Data;
 use crate::figures::bodies::{Bodies, STEPS};
 use crate::figures::kepler::Orbits;
-use crate::figures::methods::{CAYLEY, EXPONENTIAL, ORDER_4, ORDER_6, ORDER_8, RK4, RKMK4, marked};
+use crate::figures::methods::{
+    CAYLEY, EXPONENTIAL, HAMILTON_JACOBI, ORDER_4, ORDER_6, ORDER_8, RK4, RKMK4, marked,
+};
 use crate::figures::oscillator::Oscillator;
 use crate::figures::pendulum::Swings;
 use crate::figures::quadrotor::Hover;
@@ -152,6 +154,7 @@ fn work_and_precision() {
         (ORDER_4, 4.0, 512),
         (ORDER_6, 6.0, 256),
         (ORDER_8, 8.0, 128),
+        (HAMILTON_JACOBI, 6.0, 256),
         (RK4, 4.0, 512),
         (RKMK4, 4.0, 512),
     ] {
@@ -159,7 +162,7 @@ fn work_and_precision() {
         assert!((measured - order).abs() < 0.35, "{name}: {measured}");
     }
     for method in &work.methods {
-        let ours = method.name.starts_with("exp") || method.name.starts_with("Cay");
+        let ours = ![RK4, RKMK4].contains(&method.name);
         for cost in &method.costs {
             assert_eq!(
                 ours || cost.steps > 2000,
@@ -176,7 +179,7 @@ fn work_and_precision() {
 #[test]
 fn large_steps_for_long_times() {
     let long = Steps::measure(2_000.0).expect("no run fails this");
-    for method in &long.methods[..3] {
+    for method in &long.methods[..4] {
         assert!(method.trials.len() > 12, "{} breaks early", method.name);
         for trial in &method.trials {
             assert!(trial.casimir.error < 1e-12, "{} {trial:?}", method.name);
@@ -186,7 +189,7 @@ fn large_steps_for_long_times() {
         }
     }
     let data = Data::of(&long.figure());
-    for method in &long.methods[3..] {
+    for method in &long.methods[4..] {
         let growth = growth(data.curve(1, method.name));
         assert!((growth - 5.0).abs() < 0.5, "{}: {growth}", method.name);
         for trial in method.trials.iter().filter(|trial| trial.step < 0.1) {
@@ -198,8 +201,10 @@ fn large_steps_for_long_times() {
     let better = |method| better(data.curve(1, method), rk4);
     let crossing = better(EXPONENTIAL).first().expect("somewhere").0;
     assert!((0.05..0.3).contains(&crossing), "{crossing}");
-    assert_eq!(better(ORDER_4).len(), 1);
-    assert!(better(ORDER_4)[0].0 < 0.05);
+    for method in [ORDER_4, HAMILTON_JACOBI] {
+        assert_eq!(better(method).len(), 1, "{method}");
+        assert!(better(method)[0].0 < 0.05, "{method}");
+    }
 }
 
 /// Ranges of steps are where one is better, and nowhere else.

@@ -9,6 +9,7 @@ pub(crate) const ORDER_4: &str = "Cayley, order 4";
 pub(crate) const ORDER_6: &str = "Cayley, order 6";
 pub(crate) const ORDER_8: &str = "Cayley, order 8";
 pub(crate) const ORDER_10: &str = "Cayley, order 10";
+pub(crate) const HAMILTON_JACOBI: &str = "Hamilton–Jacobi, order 6";
 pub(crate) const RK4: &str = "RK4";
 pub(crate) const RKMK4: &str = "RKMK4";
 pub(crate) const RK2: &str = "RK2";
@@ -28,6 +29,7 @@ pub(crate) fn color(method: &str) -> Color {
         ORDER_6 => Color::Order6,
         ORDER_8 => Color::Order8,
         ORDER_10 => Color::Order10,
+        HAMILTON_JACOBI => Color::HamiltonJacobi,
         RK4 => Color::Rk4,
         RKMK4 => Color::Rkmk4,
         RK2 => Color::Rk2,

@@ -2,7 +2,7 @@
 
 use super::caption::{Caption, Paragraph, Piece, given, paragraph, verdict, with_places};
 use super::each_step::each_step;
-use super::methods::{CAYLEY, EXPONENTIAL, ORDER_4, RK4, RKMK4, marked};
+use super::methods::{CAYLEY, EXPONENTIAL, HAMILTON_JACOBI, ORDER_4, RK4, RKMK4, marked};
 use super::work::{body, invariants, top};
 use super::{Curve, Data};
 use coadjoint_app::Error;
@@ -43,7 +43,7 @@ pub(crate) struct Method {
 /// The same top as in [`work`](super::work), for a long time.
 #[derive(Clone, Debug)]
 pub(crate) struct Steps {
-    /// Exponential, Cayley, Cayley of order 4, RK4 on quaternions, RKMK4.
+    /// Exponential, Cayley, Cayley of order 4, Hamilton–Jacobi of order 6, RK4 on quaternions, RKMK4.
     pub(crate) methods: Vec<Method>,
 }
 
@@ -55,9 +55,18 @@ impl Steps {
     pub(crate) fn measure(duration: f64) -> Result<Self, Error> {
         Ok(Self {
             methods: vec![
-                method(EXPONENTIAL, |step| ours(Retraction::Exponential, Order::Two, step, duration)),
-                method(CAYLEY, |step| ours(Retraction::Cayley, Order::Two, step, duration)),
-                method(ORDER_4, |step| ours(Retraction::Cayley, Order::Four, step, duration)),
+                method(EXPONENTIAL, |step| {
+                    ours((setup::Method::Standard, Retraction::Exponential, Order::Two), step, duration)
+                }),
+                method(CAYLEY, |step| {
+                    ours((setup::Method::Standard, Retraction::Cayley, Order::Two), step, duration)
+                }),
+                method(ORDER_4, |step| {
+                    ours((setup::Method::Standard, Retraction::Cayley, Order::Four), step, duration)
+                }),
+                method(HAMILTON_JACOBI, |step| {
+                    ours((setup::Method::HamiltonJacobi, Retraction::Exponential, Order::Six), step, duration)
+                }),
                 method(RK4, |step| classical(&Rk4Quaternion, step, duration)),
                 method(RKMK4, |step| classical(&Rkmk4, step, duration)),
             ],
@@ -128,7 +137,9 @@ pub(crate) fn caption(data: &Data) -> Caption {
             given(DURATION),
             " s. A step of order ",
             given(4),
-            " is made of five. RKMK4, rings, is on RK4."
+            " is made of five, one of order ",
+            given(6),
+            " is one equation. RKMK4, rings, is on RK4."
         ],
         paragraph![
             "Over the six smallest steps RK4's largest energy error grows like h to the power ",
@@ -137,7 +148,7 @@ pub(crate) fn caption(data: &Data) -> Caption {
         ],
     ];
     let mut pieces: Vec<Piece> = vec!["The energy error is smaller than RK4's".into()];
-    for (k, method) in [EXPONENTIAL, CAYLEY, ORDER_4].into_iter().enumerate() {
+    for (k, method) in [EXPONENTIAL, CAYLEY, ORDER_4, HAMILTON_JACOBI].into_iter().enumerate() {
         pieces.extend([if k > 0 { "; with ".into() } else { " with ".into() }, given(method)]);
         let ranges = better(energy(method), energy(RK4));
         if ranges.is_empty() {
@@ -152,7 +163,7 @@ pub(crate) fn caption(data: &Data) -> Caption {
     pieces.extend([given(1), " J.".into()]);
     caption.push(Paragraph(pieces));
     let mut pieces: Vec<Piece> = vec!["The largest step tried with which a run came to its end was ".into()];
-    for (k, method) in [EXPONENTIAL, CAYLEY, ORDER_4, RK4, RKMK4].into_iter().enumerate() {
+    for (k, method) in [EXPONENTIAL, CAYLEY, ORDER_4, HAMILTON_JACOBI, RK4, RKMK4].into_iter().enumerate() {
         let largest = energy(method).points().last().map_or(f64::NAN, |point| point.0);
         let separate = if k > 0 { ", " } else { "" };
         pieces.extend([separate.into(), with_places(largest, 2), " s with ".into(), given(method)]);
@@ -178,11 +189,14 @@ fn count(step: f64, duration: f64) -> u64 {
     (duration / step).round() as u64
 }
 
-fn ours(retraction: Retraction, order: Order, step: f64, duration: f64) -> Option<(DriftStats, DriftStats)> {
+fn ours(
+    scheme: (setup::Method, Retraction, Order),
+    step: f64,
+    duration: f64,
+) -> Option<(DriftStats, DriftStats)> {
     let (top, start) = top();
     let by_hand = bodies::HeavyTop::new(top.inertia, top.weight, top.chi);
     let [mut energy, mut casimir] = invariants(&by_hand, &body(&start)).map(DriftStats::new);
-    let scheme = (setup::Method::Standard, retraction, order);
     let run = each_step(&top, &start, scheme, (step, count(step, duration)), |_, time, state| {
         let now = invariants(&by_hand, &body(state));
         energy.push(time, now[0]);

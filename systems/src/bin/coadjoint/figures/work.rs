@@ -10,7 +10,9 @@ use nalgebra::Vector6;
 use super::Data;
 use super::caption::{Caption, Paragraph, Piece, given, measured, paragraph, verdict};
 use super::each_step::each_step;
-use super::methods::{CAYLEY, EXPONENTIAL, ORDER_4, ORDER_6, ORDER_8, ORDER_10, RK4, RKMK4, marked};
+use super::methods::{
+    CAYLEY, EXPONENTIAL, HAMILTON_JACOBI, ORDER_4, ORDER_6, ORDER_8, ORDER_10, RK4, RKMK4, marked,
+};
 use coadjoint_app::Error;
 use coadjoint_app::picture::{Axis, Figure, Key, Panel};
 use coadjoint_app::setup::{self, Order, Retraction};
@@ -113,14 +115,18 @@ struct Candidate<'a> {
     run: Box<dyn Fn(f64, u64) -> Option<Run<'a>> + 'a>,
 }
 
+/// One of ours.
+type Scheme = (setup::Method, Retraction, Order);
+
 /// Ours, with their order.
-const OURS: [(&str, Retraction, Order); 6] = [
-    (EXPONENTIAL, Retraction::Exponential, Order::Two),
-    (CAYLEY, Retraction::Cayley, Order::Two),
-    (ORDER_4, Retraction::Cayley, Order::Four),
-    (ORDER_6, Retraction::Cayley, Order::Six),
-    (ORDER_8, Retraction::Cayley, Order::Eight),
-    (ORDER_10, Retraction::Cayley, Order::Ten),
+const OURS: [(&str, Scheme); 7] = [
+    (EXPONENTIAL, (setup::Method::Standard, Retraction::Exponential, Order::Two)),
+    (CAYLEY, (setup::Method::Standard, Retraction::Cayley, Order::Two)),
+    (ORDER_4, (setup::Method::Standard, Retraction::Cayley, Order::Four)),
+    (ORDER_6, (setup::Method::Standard, Retraction::Cayley, Order::Six)),
+    (ORDER_8, (setup::Method::Standard, Retraction::Cayley, Order::Eight)),
+    (ORDER_10, (setup::Method::Standard, Retraction::Cayley, Order::Ten)),
+    (HAMILTON_JACOBI, (setup::Method::HamiltonJacobi, Retraction::Exponential, Order::Six)),
 ];
 
 impl Work {
@@ -132,20 +138,18 @@ impl Work {
         let (top, start) = top();
         let classical_top = bodies::HeavyTop::new(top.inertia, top.weight, top.chi);
         let from = AttitudeState { attitude: start.attitude, y: body(&start) };
-        let best = (Retraction::Exponential, Order::Ten);
+        let best = (setup::Method::Standard, Retraction::Exponential, Order::Ten);
         let end = integrate_to_end(&top, start, best, sampling.reference, &mut |_| {})?;
         let exact = coordinates(&end.attitude, &end.y);
         // with steps that are compiled with the catalogue
         let erased = CATALOGUE.erased(&top)?;
         let top = &top;
-        let ours = OURS.into_iter().map(|(name, retraction, order)| Candidate {
+        let ours = OURS.into_iter().map(|(name, scheme)| Candidate {
             name,
-            integrate: Box::new(move |n, observe| {
-                integrate_to_end(top, start, (retraction, order), n, observe).ok()
-            }),
+            integrate: Box::new(move |n, observe| integrate_to_end(top, start, scheme, n, observe).ok()),
             run: {
                 let erased = erased.clone();
-                Box::new(move |step, n| run(erased.clone(), start, (retraction, order), (step, n)))
+                Box::new(move |step, n| run(erased.clone(), start, scheme, (step, n)))
             },
         });
         let classical: [Candidate<'_>; 2] = [
@@ -306,13 +310,12 @@ fn duration(method: &Candidate<'_>, steps: u64, seconds: f64) -> Option<f64> {
 fn integrate_to_end(
     top: &HeavyTop,
     start: HeavyTopState,
-    (retraction, order): (Retraction, Order),
+    scheme: Scheme,
     steps: u64,
     observe: &mut Observe<'_>,
 ) -> Result<AttitudeState<6>, Error> {
-    let (scheme, step) = ((setup::Method::Standard, retraction, order), DURATION / steps as f64);
     let mut end = start;
-    each_step(top, &start, scheme, (step, steps), |_, _, state| {
+    each_step(top, &start, scheme, (DURATION / steps as f64, steps), |_, _, state| {
         observe(&body(state));
         end = *state;
     })?;
@@ -323,10 +326,10 @@ fn integrate_to_end(
 fn run(
     top: Arc<dyn erased::System>,
     start: HeavyTopState,
-    (retraction, order): (Retraction, Order),
+    (method, retraction, order): Scheme,
     (step, batch): (f64, u64),
 ) -> Option<Run<'static>> {
-    let scheme = simulate::scheme(setup::Method::Standard, retraction, order).ok()?;
+    let scheme = simulate::scheme(method, retraction, order).ok()?;
     let mut stepper = erased::Stepper::new(top, &scheme, step).ok()?;
     let mut components = start.to_components();
     Some(Box::new(move || stepper.steps(components.as_mut(), &[], batch).is_ok()))
