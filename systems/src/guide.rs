@@ -26,7 +26,7 @@
 //! upright it hovers.
 //!
 //! **Work and precision.** For a trajectory to many digits, a step of order 2 is no match for RK4 in computing time. Compositions of order 8
-//! and 10 are, and a Hamilton–Jacobi step of order 6 costs a quarter of them. Their Casimirs are exact at every step size.
+//! and 10 are, and a Hamilton–Jacobi step of order 6 costs a quarter of them at 10⁻⁸. Their Casimirs are exact at every step size.
 //!
 //! **Large steps.** RK4's error grows with the fifth power of the step, and with time. Ours does not grow with time. Above a tenth of a radian
 //! or so per step, the exponential's energy is the better one after long times. Before RK4 gives up, it has lost the Casimirs altogether.
