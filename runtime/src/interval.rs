@@ -262,16 +262,14 @@ impl<T: Stepping + ?Sized> Dense<T::System> for Part<'_, T> {
 
     fn series(&mut self, event: usize, from: f64, coefficients: &mut Coefficients) -> Option<(usize, f64)> {
         let (start, length) = (self.start + from * (self.end - self.start), self.length - from * self.length);
-        let count = if from == 0.0 {
-            let input = self.input.again();
-            self.stepper.event_series(event, self.before, (self.start, self.length), input, coefficients)?
-        } else {
-            let mut state = self.before.clone();
+        let mut state = self.before.clone();
+        if from > 0.0 {
             self.at(from, &mut state).ok()?;
-            let input = self.input.again();
-            self.stepper.event_series(event, &state, (start, length), input, coefficients)?
-        };
-        let part = converging(coefficients.get_mut(..count)?)?;
+        }
+        let series = self.stepper.event_series()?;
+        let (count, known) =
+            series.expand(event, &state, (start, length), self.input.again(), coefficients)?;
+        let part = known * converging(coefficients.get_mut(..count)?)?;
         Some((count, if part < 1.0 { from + part * (1.0 - from) } else { 1.0 }))
     }
 }

@@ -11,7 +11,7 @@ use super::system::{System, check_length, length};
 use crate::error::{ParameterError, StepError};
 use crate::flat::{NotGenerated, array, copy};
 use crate::stepper::report::{RunError, RunReport};
-use crate::stepper::{Inputs, StepReport, Stepping};
+use crate::stepper::{EventSeries, Inputs, StepReport, Stepping};
 use crate::system::pace::Pace;
 use crate::system::series::Coefficients;
 use crate::system::{self, Control, State};
@@ -48,7 +48,7 @@ pub struct Adaptive {
 
 /// What takes Taylor steps, on slices.
 #[doc(hidden)]
-pub trait TaylorSteps: Send + Sync {
+pub trait TaylorSteps: EventSeries<dyn System> + Send + Sync {
     /// The time, and the largest that each number of an input has been.
     fn carried(&self) -> (&Pace, &[f64]);
     /// The same.
@@ -66,14 +66,6 @@ pub trait TaylorSteps: Send + Sync {
         state: &mut [f64],
         input: &mut dyn FnMut(f64) -> Vec<f64>,
     ) -> Result<StepReport, StepError>;
-    fn event_series(
-        &self,
-        event: usize,
-        state: &[f64],
-        from: (f64, f64),
-        control: &[f64],
-        coefficients: &mut Coefficients,
-    ) -> Option<usize>;
     fn step_with(&mut self, state: &mut [f64], control: &[f64]) -> Result<f64, StepError>;
     fn at(&self, share: f64) -> Option<Vec<f64>>;
 }
@@ -120,19 +112,6 @@ impl<S: PowerSeries<Scalar = f64> + Send + Sync> TaylorSteps for taylor::Adaptiv
         Ok(report)
     }
 
-    fn event_series(
-        &self,
-        event: usize,
-        state: &[f64],
-        from: (f64, f64),
-        control: &[f64],
-        coefficients: &mut Coefficients,
-    ) -> Option<usize> {
-        let state = S::State::from_components(&array(state));
-        let control = S::Control::from_components(&array(control));
-        Stepping::event_series(self, event, &state, from, Inputs::Held(&control), coefficients)
-    }
-
     fn order(&self) -> usize {
         Self::order(self)
     }
@@ -150,6 +129,34 @@ impl<S: PowerSeries<Scalar = f64> + Send + Sync> TaylorSteps for taylor::Adaptiv
 
     fn at(&self, share: f64) -> Option<Vec<f64>> {
         Some(Self::at(self, share)?.to_components().as_ref().to_vec())
+    }
+}
+
+impl<S: PowerSeries<Scalar = f64>> EventSeries<dyn System> for taylor::Adaptive<S> {
+    fn expand(
+        &self,
+        event: usize,
+        state: &Vec<f64>,
+        from: (f64, f64),
+        input: Inputs<'_, Vec<f64>>,
+        coefficients: &mut Coefficients,
+    ) -> Option<(usize, f64)> {
+        let state = S::State::from_components(&array(state));
+        let control = |numbers: &[f64]| S::Control::from_components(&array(numbers));
+        match input {
+            Inputs::Held(held) => EventSeries::<S>::expand(
+                self,
+                event,
+                &state,
+                from,
+                Inputs::Held(&control(held)),
+                coefficients,
+            ),
+            Inputs::Driven(input) => {
+                let input = &mut |time: f64| control(&input(time));
+                EventSeries::<S>::expand(self, event, &state, from, Inputs::Driven(input), coefficients)
+            }
+        }
     }
 }
 
@@ -259,16 +266,8 @@ impl Stepping for Adaptive {
         self.steps.step_beside(state, from, input)
     }
 
-    fn event_series(
-        &self,
-        event: usize,
-        state: &Vec<f64>,
-        from: (f64, f64),
-        input: Inputs<'_, Vec<f64>>,
-        coefficients: &mut Coefficients,
-    ) -> Option<usize> {
-        let Inputs::Held(control) = input else { return None };
-        self.steps.event_series(event, state, from, control, coefficients)
+    fn event_series(&self) -> Option<&dyn EventSeries<dyn System>> {
+        Some(&*self.steps)
     }
 
     fn step_with(&mut self, state: &mut Vec<f64>, control: &Vec<f64>) -> Result<StepReport, StepError> {

@@ -21,9 +21,8 @@ use crate::schemes::Scheme;
 use crate::snapshot::{self, visit_flag};
 use crate::stepper::report::{RunError, RunReport};
 use crate::stepper::stepping::as_by_itself;
-use crate::stepper::{Inputs, StepReport, Stepping, check_deviation, check_step, trajectory};
+use crate::stepper::{EventSeries, Inputs, StepReport, Stepping, check_deviation, check_step, trajectory};
 use crate::system::Dynamics;
-use crate::system::series::Coefficients;
 
 /// Takes steps of one size through the motion of one system, with one scheme: [`Stepper`](crate::Stepper) with its types erased.
 pub struct Stepper {
@@ -589,15 +588,8 @@ impl Stepping for Stepper {
         Ok(StepReport { iterations: iterations.iter().sum(), residual })
     }
 
-    fn event_series(
-        &self,
-        event: usize,
-        state: &Vec<f64>,
-        from: (f64, f64),
-        input: Inputs<'_, Vec<f64>>,
-        coefficients: &mut Coefficients,
-    ) -> Option<usize> {
-        self.series.as_ref()?.event_series(event, state, from, input, coefficients)
+    fn event_series(&self) -> Option<&dyn EventSeries<dyn System>> {
+        self.series.as_ref()?.event_series()
     }
 
     fn go_on_at(&mut self, time: f64, steps: u64) {

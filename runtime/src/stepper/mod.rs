@@ -17,8 +17,8 @@ pub(crate) use crate::system::stepper::check_step;
 use crate::system::{Control, MethodOf, State, System};
 use report::{RunError, RunReport};
 #[doc(hidden)]
-pub use stepping::Inputs;
 pub use stepping::Stepping;
+pub use stepping::{EventSeries, Inputs};
 pub(crate) use trajectory::trajectory;
 
 /// How a step went.

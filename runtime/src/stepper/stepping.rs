@@ -122,22 +122,29 @@ pub trait Stepping {
         from: (f64, f64),
         input: Inputs<'_, <Self::System as Dynamics>::Control>,
     ) -> Result<StepReport, StepError>;
-    /// Writes the power series of an event of the description from a state on, in shares of a time that starts somewhere and has a length, and
-    /// how many coefficients there are. None if there is none.
+    /// What knows the power series of events of the description, if anything does.
     #[doc(hidden)]
-    fn event_series(
-        &self,
-        _event: usize,
-        _state: &<Self::System as Dynamics>::State,
-        _from: (f64, f64),
-        _input: Inputs<'_, <Self::System as Dynamics>::Control>,
-        _coefficients: &mut Coefficients,
-    ) -> Option<usize> {
+    fn event_series(&self) -> Option<&dyn EventSeries<Self::System>> {
         None
     }
     /// The next step starts at this time, after so many steps.
     #[doc(hidden)]
     fn go_on_at(&mut self, time: f64, steps: u64);
+}
+
+/// Knows the power series of events of a description.
+#[doc(hidden)]
+pub trait EventSeries<S: Dynamics + ?Sized> {
+    /// Writes the series of an event from a state on, over a time that starts somewhere and has a length, or over a share of it where what acts is
+    /// not known further. How many coefficients there are, and that share, in which they are. None if there is none.
+    fn expand(
+        &self,
+        event: usize,
+        state: &S::State,
+        from: (f64, f64),
+        input: Inputs<'_, S::Control>,
+        coefficients: &mut Coefficients,
+    ) -> Option<(usize, f64)>;
 }
 
 /// What acts on the system over a step.

@@ -41,7 +41,7 @@ use crate::run::Run;
 use crate::scalar::instructions::Instructions;
 use crate::scalar::{Batch, Components as _, Real, Scalar as _};
 use crate::stepper::report::{RunError, RunReport};
-use crate::stepper::{Inputs, StepReport, Stepping, check_deviation, check_step};
+use crate::stepper::{EventSeries, Inputs, StepReport, Stepping, check_deviation, check_step};
 #[cfg(doc)]
 use crate::system::System;
 pub use crate::system::adaptive::Adaptive;
@@ -527,26 +527,42 @@ impl<S: PowerSeries> Stepping for Adaptive<S> {
         Ok(EXPLICIT)
     }
 
-    fn event_series(
+    fn event_series(&self) -> Option<&dyn EventSeries<S>> {
+        Some(self)
+    }
+}
+
+impl<S: PowerSeries> EventSeries<S> for Adaptive<S> {
+    fn expand(
         &self,
         event: usize,
         state: &S::State,
         (start, length): (f64, f64),
         input: Inputs<'_, S::Control>,
         coefficients: &mut Coefficients,
-    ) -> Option<usize> {
+    ) -> Option<(usize, f64)> {
         if self.pace.is_last(start, length) {
-            return self.series.event(event, length, coefficients);
+            return Some((self.series.event(event, length, coefficients)?, 1.0));
         }
-        let Inputs::Held(control) = input else { return None };
         if !S::EVENTS_WITH_SERIES.contains(&event) {
             return None;
         }
         let mut beside = self.of(S::from_parameters(&self.system.to_parameters()));
         beside.pace.set_time(start);
-        // be it that the state at its end is none: the series tells by itself how far it goes
-        let _ = beside.advance_with(&mut state.clone(), control, None, Length::Exactly(length).into());
-        beside.series.event(event, length, coefficients)
+        let known = match input {
+            Inputs::Held(control) => {
+                // be it that the state at its end is none: the series tells by itself how far it goes
+                let _ =
+                    beside.advance_with(&mut state.clone(), control, None, Length::Exactly(length).into());
+                length
+            }
+            Inputs::Driven(input) => {
+                // as far as a polynomial is close to it
+                beside.pace.last = Some(length);
+                beside.advance_driven(&mut state.clone(), input, Length::AtMost(length).into()).ok()?
+            }
+        };
+        Some((beside.series.event(event, known, coefficients)?, known / length))
     }
 }
 

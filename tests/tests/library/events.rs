@@ -6,6 +6,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use coadjoint::prelude::*;
+use coadjoint::stepper::Stepping;
 use coadjoint::{Crossing, Event, Run, StepError, System, erased};
 
 /// What moves evenly, and functions of where it is.
@@ -84,6 +85,20 @@ struct Ball {
     #[inertia]
     mass: f64,
     gravity: f64,
+}
+
+/// A cart that is pushed along a fence.
+#[lie_poisson_system(
+    group = R1,
+    control(push: f64),
+    force = vector![push],
+    event(post = (40.0 * position.x).sin()),
+    taylor,
+    retractions(Exponential)
+)]
+struct Cart {
+    #[inertia]
+    mass: f64,
 }
 
 fn even() -> (Even, EvenState) {
@@ -280,6 +295,51 @@ fn passes_of_a_driven_pendulum_are_the_same_with_every_method() {
         .to(end)
         .unwrap();
     compare("erased", &passes, rises);
+}
+
+/// The cart is at `1.5 t − ½ sin t`, and passes many posts in each step.
+#[test]
+fn no_event_of_a_driven_run_is_missed() {
+    let (cart, end) = (Cart { mass: 1.0 }, 4.0_f64);
+    let place = |t: f64| 1.5 * t - 0.5 * t.sin();
+    let posts = (40.0 * place(end) / PI).floor() as usize;
+    let compare = |what: &str, found: &[f64], steps: u64| {
+        assert!(posts == 81 && steps < 12, "{what}: {steps} steps");
+        assert_eq!(found.len(), posts, "{what}");
+        let off = found.iter().zip(1..).map(|(t, k)| (40.0 * place(*t) - PI * f64::from(k)).abs());
+        let off = off.fold(0.0, f64::max);
+        assert!(off < 1e-7, "{what}: {off:e}");
+    };
+    let (mut found, mut state) = (Vec::new(), CartState { position: vector![0.0], momentum: vector![1.0] });
+    let mut trajectory = cart.adaptive(1e-12).unwrap();
+    Run::new(&mut trajectory, &mut state)
+        .driven_by(|t| CartControl { push: 0.5 * t.sin() })
+        .on("post", |event| found.push(event.time()))
+        .to(end)
+        .unwrap();
+    compare("Taylor", &found, trajectory.steps_taken());
+
+    let cart: Arc<dyn erased::System> = Arc::new(cart);
+    let (mut found, mut state) = (Vec::new(), vec![0.0, 1.0]);
+    let mut trajectory = erased::Adaptive::new(cart.clone(), 1e-12).unwrap();
+    Run::new(&mut trajectory, &mut state)
+        .driven_by(|t| vec![0.5 * t.sin()])
+        .on("post", |event| found.push(event.time()))
+        .to(end)
+        .unwrap();
+    compare("erased", &found, Stepping::steps_taken(&trajectory));
+
+    // steps of one length, whose events are looked for in the series
+    let (mut found, mut state) = (Vec::new(), vec![0.0, 1.0]);
+    let scheme = "Order10<Exponential>".parse().unwrap();
+    let stepper = erased::Stepper::new(cart.clone(), &scheme, 0.5).unwrap();
+    let mut stepper = stepper.with_series(erased::Adaptive::new(cart, 1e-12).unwrap());
+    Run::new(&mut stepper, &mut state)
+        .driven_by(|t| vec![0.5 * t.sin()])
+        .on("post", |event| found.push(event.time()))
+        .to(end)
+        .unwrap();
+    compare("steps of one length", &found, stepper.steps_taken());
 }
 
 #[test]

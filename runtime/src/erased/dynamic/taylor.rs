@@ -6,10 +6,10 @@ use std::vec::Vec;
 
 use super::system::{DynamicSystem, Given};
 use crate::erased::adaptive::TaylorSteps;
-use crate::erased::system::{Geometry as _, length};
+use crate::erased::system::{Geometry as _, System, length};
 use crate::error::{ParameterError, StepError};
 use crate::scalar::Scalar;
-use crate::stepper::{Inputs, StepReport, check_deviation};
+use crate::stepper::{EventSeries, Inputs, StepReport, check_deviation};
 use crate::system::adaptive::{LEAST_ORDER, order};
 use crate::system::input::{Polynomial, fitted};
 use crate::system::pace::{Pace, Wanted};
@@ -129,7 +129,7 @@ impl Series {
         }
     }
 
-    /// Writes the series of an event in shares of a step of this length: see [`Stepping::event_series`](crate::stepper::Stepping).
+    /// Writes the series of an event in shares of a step of this length: see [`EventSeries`].
     fn event(&self, event: usize, step: f64, coefficients: &mut Coefficients) -> Option<usize> {
         let place = self.functions.events().iter().position(|known| *known == event)?;
         let mut power = 1.0;
@@ -234,6 +234,38 @@ impl DynamicTaylor {
     }
 }
 
+impl EventSeries<dyn System> for DynamicTaylor {
+    fn expand(
+        &self,
+        event: usize,
+        state: &Vec<f64>,
+        (start, length): (f64, f64),
+        input: Inputs<'_, Vec<f64>>,
+        coefficients: &mut Coefficients,
+    ) -> Option<(usize, f64)> {
+        if self.pace.is_last(start, length) {
+            return Some((self.series.event(event, length, coefficients)?, 1.0));
+        }
+        if !self.series.functions.events().contains(&event) {
+            return None;
+        }
+        let (mut beside, mut state) = (self.beside(start), state.clone());
+        let known = match input {
+            Inputs::Held(control) => {
+                // be it that the state at its end is none: the series tells by itself how far it goes
+                let _ = beside.advance_with(&mut state, control, None, Length::Exactly(length).into());
+                length
+            }
+            driven @ Inputs::Driven(_) => {
+                // as far as a polynomial is close to it
+                beside.pace.last = Some(length);
+                beside.advance(&mut state, driven, Length::AtMost(length).into()).ok()?
+            }
+        };
+        Some((beside.series.event(event, known, coefficients)?, known / length))
+    }
+}
+
 impl TaylorSteps for DynamicTaylor {
     fn carried(&self) -> (&Pace, &[f64]) {
         (&self.pace, &self.sizes)
@@ -280,26 +312,6 @@ impl TaylorSteps for DynamicTaylor {
             self.advance(state, Inputs::Driven(input), wanted)?;
         }
         Ok(EXPLICIT)
-    }
-
-    fn event_series(
-        &self,
-        event: usize,
-        state: &[f64],
-        (start, length): (f64, f64),
-        control: &[f64],
-        coefficients: &mut Coefficients,
-    ) -> Option<usize> {
-        if self.pace.is_last(start, length) {
-            return self.series.event(event, length, coefficients);
-        }
-        if !self.series.functions.events().contains(&event) {
-            return None;
-        }
-        let mut beside = self.beside(start);
-        // be it that the state at its end is none: the series tells by itself how far it goes
-        let _ = beside.advance_with(&mut state.to_vec(), control, None, Length::Exactly(length).into());
-        beside.series.event(event, length, coefficients)
     }
 
     fn step_with(&mut self, state: &mut [f64], control: &[f64]) -> Result<f64, StepError> {
