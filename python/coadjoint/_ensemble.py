@@ -320,9 +320,6 @@ def ensemble(
     steps = round(whole)
     if abs(whole - steps) > 1e-9 * max(whole, 1.0):
         raise ValueError(f"an ensemble takes whole steps: {whole} steps of {own} lead from {span[0]} to {span[1]}")
-    if scheme is None and any("<Cayley" in known for known in layout.schemes):
-        # as the program
-        scheme = "cayley"
     name = scheme_name(layout, scheme, order)
     if device != "cpu":
         if device != "cuda":

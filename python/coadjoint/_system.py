@@ -522,7 +522,7 @@ class BoundSystem:
         parameters: likewise, of those that differ from this system's.
         n: how many there are, if that does not follow from the arrays.
         seed: where random numbers start. Those of a member are its own, whoever draws it, in whatever order.
-        scheme, order: as of a run, but by default the Cayley map.
+        scheme, order: as of a run.
         controls: an array, or one with a row for each member, that is held; or a function of `t, y` of all members at once, asked before each step.
         every: records the states after every so many steps; by default the last ones alone.
         device: `cpu`, or `cuda` by way of CuPy.

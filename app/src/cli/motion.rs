@@ -50,7 +50,7 @@ pub(crate) struct ChosenRun {
 /// The arguments that choose steps.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct SchemeArguments {
-    /// The map of the step [default: exponential, of ensembles cayley]
+    /// The map of the step [default: exponential]
     ///
     /// `exp` and `cay` for short. Where there are no steps with the default, it is what `list NAME` names first.
     #[arg(long, value_enum)]
@@ -227,15 +227,11 @@ impl<'e> Motion<'e> {
             };
             note = Some(format!("{duration} s are not a whole number of steps of {step} s: {end}"));
         }
-        let usual = if is_ensemble { Retraction::Cayley } else { Retraction::Exponential };
-        let retraction = scheme.retraction.unwrap_or_else(|| usual.or_first_of(entry));
+        let retraction = scheme.retraction.unwrap_or_else(|| Retraction::Exponential.or_first_of(entry));
         let order = scheme.order.unwrap_or(Order::Two);
         // members go side by side where their steps are composed
-        let usual = |is_ensemble: bool| match is_ensemble {
-            true => Method::Standard,
-            false => usual_method(entry, retraction, order),
-        };
-        let method = scheme.method()?.unwrap_or_else(|| usual(is_ensemble));
+        let usual = if is_ensemble { Method::Standard } else { usual_method(entry, retraction, order) };
+        let method = scheme.method()?.unwrap_or(usual);
         let job = Job { method, retraction, order, step, steps, rest };
         if let Some(file) = &asked.input {
             let text = text(file).map_err(FileError::read(file))?;

@@ -221,7 +221,7 @@ impl Provenance {
     /// duration; with others followed by a checksum of them all: `heavy_top-cayley-3fa9c1`.
     pub fn stem(&self, entry: &Entry, job: &Job) -> String {
         let mut stem = entry.name.clone();
-        let usual = (Method::Standard, Retraction::Cayley, Order::Two);
+        let usual = (Method::Standard, Retraction::Exponential.or_first_of(entry), Order::Two);
         if self.ensemble.is_none() || (job.method, job.retraction, job.order) != usual {
             if job.method != Method::Standard {
                 stem += &format!("-{}", job.method.stem());

@@ -37,13 +37,15 @@ fn schemes_agree() {
         assert_eq!(object["member_steps"], json!(5 * 800));
         (object["end"]["energy"]["mean"].as_f64().expect("a number"), object["side_by_side"].clone())
     };
-    let (usual, side_by_side) = mean(&[]);
+    let (usual, four) = mean(&[]);
     // with the exponential four at most
-    let four = json!(side_by_side.as_u64().expect("a number").min(4));
+    let (cayley, eight) = mean(&["--retraction", "cayley"]);
+    assert_eq!(four, json!(eight.as_u64().expect("a number").min(4)));
+    assert!((cayley - usual).abs() < 1e-4 && cayley != usual, "{cayley} {usual}");
     for (scheme, width) in [
-        (&["--order", "4"][..], &side_by_side),
-        (&["--retraction", "exp"], &four),
+        (&["--order", "4"][..], &four),
         (&["--retraction", "exp", "--order", "6"], &four),
+        (&["--retraction", "cayley", "--order", "4"], &eight),
         (&["--method", "midpoint"], &json!(1)),
         (&["--method", "rk4"], &json!(1)),
         (&["--method", "verlet", "--order", "6", "--retraction", "cayley"], &json!(1)),
@@ -53,6 +55,17 @@ fn schemes_agree() {
         assert_eq!(&found, width, "{scheme:?}");
     }
     scratch.named("out", "heavy_top-order4-cayley-ensemble-", ".csv");
+    // without being asked, members take the steps of a run
+    let one = ["--members", "1", "--spread", "momentum=0", "--quantity", "momentum_x", "--duration", "2"];
+    let end = scratch.object(&[&["ensemble", "heavy_top"][..], &one].concat())["end"]["momentum_x"].clone();
+    scratch.prints(&["run", "heavy_top", "--duration", "2"]);
+    let table = scratch.read(&scratch.named("out", "heavy_top-exponential-", ".csv"));
+    let column = |row: &str| {
+        let columns = table.lines().next().expect("a header").split(',');
+        let place = columns.into_iter().position(|column| column == "momentum_x").expect("it is there");
+        row.split(',').nth(place).expect("a number").parse::<f64>().expect("a number")
+    };
+    assert_eq!(end["mean"], json!(column(table.lines().last().expect("a row"))));
     assert!(
         scratch
             .fails(2, &[&few[..], &["--method", "rk4", "--order", "4"]].concat())
