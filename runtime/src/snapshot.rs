@@ -19,8 +19,6 @@ pub(crate) fn read<T: Real>(
     memory: &[f64],
     show: &mut Show<'_, T>,
 ) -> Result<(f64, [u64; 2]), ParameterError> {
-    // above that not every count has its own number
-    const MOST: u64 = 1 << f64::MANTISSA_DIGITS;
     let mut expected = 3;
     show(&mut |piece| expected += piece.len());
     let [start, taken, before, rest @ ..] = memory else {
@@ -33,7 +31,14 @@ pub(crate) fn read<T: Real>(
     show(&mut |piece| {
         piece.iter_mut().zip(&mut rest).for_each(|(number, value)| *number = T::of(*value));
     });
-    Ok((*start, [(*taken as u64).min(MOST), (*before as u64).min(MOST)]))
+    Ok((*start, [count(*taken), count(*before)]))
+}
+
+/// How many steps a number says that there were.
+pub(crate) fn count(steps: f64) -> u64 {
+    // above that not every count has its own number
+    const MOST: u64 = 1 << f64::MANTISSA_DIGITS;
+    (steps as u64).min(MOST)
 }
 
 /// Shows a truth as a number.

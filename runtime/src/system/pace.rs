@@ -2,6 +2,7 @@
 
 use super::series::Length;
 use crate::error::{ParameterError, StepError};
+use crate::snapshot::count;
 
 /// The time of a trajectory, and what is asked of the length of its steps.
 #[doc(hidden)]
@@ -186,7 +187,7 @@ impl Pace {
             return Err(ParameterError::Snapshot { expected, got: memory.len() });
         }
         sizes.copy_from_slice(known);
-        (self.time, self.taken, self.from) = ([*high, *low], *taken as u64, f64::NAN);
+        (self.time, self.taken, self.from) = ([*high, *low], count(*taken), f64::NAN);
         self.last = Some(*last).filter(|last| *last != 0.0);
         Ok(())
     }

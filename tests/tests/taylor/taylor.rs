@@ -10,6 +10,7 @@ use coadjoint::ensemble::Instructions;
 use coadjoint::error::{ParameterError, StepError};
 use coadjoint::nalgebra::Translation3;
 use coadjoint::prelude::*;
+use coadjoint::stepper::Stepping;
 use coadjoint::taylor::PowerSeries;
 use coadjoint::{Discretized, Record, Run, RunError, RunReport, State, System, erased, taylor};
 use serde_json::Value;
@@ -608,6 +609,11 @@ fn what_cannot_be_done_is_said_and_changes_nothing() {
 
     let mut lost = KeplerState { position: vector![f64::NAN, 0.0, 0.0], ..start.clone() };
     assert_eq!(trajectory.step(&mut lost), Err(StepError::NotFinite));
+    // a memory of more steps than can be counted
+    let mut memory = Stepping::snapshot(&trajectory);
+    memory[2] = f64::INFINITY;
+    assert_eq!(Stepping::restore(&mut trajectory, &memory), Ok(()));
+    assert!(trajectory.step(&mut start.clone()).is_ok());
     let mut state = start.clone();
     let before = trajectory.time();
     assert!(trajectory.to(&mut state, f64::NAN).is_err());
