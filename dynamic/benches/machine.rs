@@ -264,8 +264,8 @@ fn c_steps<'a>(
 
 macro_rules! case {
     // what is compiled for registers of each width takes long, for all systems
-    (@ensembles compiled, $variants:ident, $ensemble:expr) => { $variants.push($ensemble) };
-    (@ensembles text, $variants:ident, $ensemble:expr) => {};
+    (@ensembles compiled, $ensemble:expr) => { Some($ensemble) };
+    (@ensembles text, $ensemble:expr) => { None::<Steps<'_>> };
     ($text:ident, $system:expr, $state:expr, $control:expr, $step:literal, $($scheme:ident)*; $has_ensembles:ident) => {{
         let (system, state, control) = ($system, $state, $control);
         let numbers = state.to_components().as_ref().to_vec();
@@ -275,14 +275,16 @@ macro_rules! case {
         let name = typed.description().name;
         let first = [$(stringify!($scheme)),*][0].parse().unwrap();
         let has_all = !std::env::args().any(|argument| argument == "ensembles");
-        let to_first = (0..if has_all { 30 } else { 0 }).map(|_| {
+        let to_first = (0..30).map(|_| {
             let start = Instant::now();
             let model = Model::from_text($text).unwrap();
             let mut stepper = erased::Stepper::new(Arc::new(model.system(&parameters)), &first, $step).unwrap();
             stepper.step(&mut numbers.clone(), &held).unwrap();
             start.elapsed().as_secs_f64()
         });
-        println!("{name}: text to first step {:.1} ms", 1e3 * to_first.fold(f64::INFINITY, f64::min));
+        if has_all {
+            println!("{name}: text to first step {:.1} ms", 1e3 * to_first.fold(f64::INFINITY, f64::min));
+        }
         let model = Model::from_text($text).unwrap();
         $({
             let ensemble = |system: &dyn EnsembleSystem| {
@@ -292,11 +294,11 @@ macro_rules! case {
                 ensemble(&model.system(&parameters)),
                 ensemble(&model.interpreted().system(&parameters)),
             ];
-            case!(@ensembles $has_ensembles, variants, ensemble(&system));
+            variants.extend(case!(@ensembles $has_ensembles, ensemble(&system)));
             let least = each(variants, ROUNDS, TOGETHER).iter().map(|x| x / MEMBERS as f64).collect::<Vec<_>>();
             println!(
-                "{name}, {}: a member of an ensemble by machine code {:.1} ns, interpreted {:.1}, compiled {:.1}",
-                stringify!($scheme), least[0], least[1], least.get(2).unwrap_or(&f64::NAN),
+                "{name}, {}: a member of an ensemble by machine code {:.1} ns, interpreted {:.1}, compiled {}",
+                stringify!($scheme), least[0], least[1], least.get(2).map_or_else(|| "not".to_owned(), |x| format!("{x:.1} ns")),
             );
         })*
         $(if has_all {
