@@ -162,12 +162,23 @@ impl StepFunctions for Functions {
         side_by_side(Wide { code: &self.interpreted[function as usize], frame });
     }
 
+    fn call_two(&self, function: StepFunction, frame: &mut [[f64; 2]]) {
+        if self.machine.as_ref().is_some_and(|machine| machine.call_two(function, frame)) {
+            return;
+        }
+        self.interpreted[function as usize].run(frame);
+    }
+
     fn has_march(&self) -> bool {
         self.machine.as_ref().is_some_and(Machine::has_march)
     }
 
     fn march(&self, then: Option<usize>) -> Option<March> {
-        self.machine.as_ref()?.march(then)
+        self.machine.as_ref()?.march(then, 1)
+    }
+
+    fn march_two(&self, then: Option<usize>) -> Option<March> {
+        self.machine.as_ref()?.march(then, 2)
     }
 }
 

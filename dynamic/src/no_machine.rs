@@ -18,8 +18,13 @@ impl Machine {
         false
     }
 
-    /// The same on frames side by side.
+    /// The same on many frames side by side.
     pub(crate) fn call_wide(&self, _: StepFunction, _: &mut [[f64; LANES]]) -> bool {
+        false
+    }
+
+    /// The same on two frames side by side.
+    pub(crate) fn call_two(&self, _: StepFunction, _: &mut [[f64; 2]]) -> bool {
         false
     }
 
@@ -29,7 +34,7 @@ impl Machine {
     }
 
     /// What takes many steps at a time.
-    pub(crate) fn march(&self, _: Option<usize>) -> Option<March> {
+    pub(crate) fn march(&self, _: Option<usize>, _: usize) -> Option<March> {
         None
     }
 }

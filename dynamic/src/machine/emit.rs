@@ -1,8 +1,8 @@
 //! From the functions of a program to Cranelift's instructions: the same operations in the same order as the interpreter's.
 
-use coadjoint::erased::dynamic::{FUSED, LANES};
+use coadjoint::erased::dynamic::FUSED;
 use coadjoint_codegen::program::{Elementary, Function, Statement, Term, Value, stumpff};
-use cranelift_codegen::ir::condcodes::FloatCC;
+use cranelift_codegen::ir::condcodes::{FloatCC, IntCC};
 use cranelift_codegen::ir::{
     self, BlockArg, FuncRef, InstBuilder, MemFlagsData, StackSlotData, StackSlotKind, Type, types,
 };
@@ -17,8 +17,10 @@ pub(super) struct Emitter<'a, 'f> {
     /// What is called.
     pub(super) outside: &'a mut dyn FnMut(Outside, &mut ir::Function) -> Option<FuncRef>,
     pub(super) pointer: Type,
-    /// Whether two frames are gone through, side by side among several.
+    /// Whether two frames are gone through, side by side.
     pub(super) wide: bool,
+    /// How many frames lie there number by number: two of them are gone through where there are more.
+    members: usize,
     /// The address of the frame.
     pub(super) frame: ir::Value,
     /// Where Stumpff functions of large arguments are left to others. With a call for them, numbers could not stay in registers.
@@ -45,11 +47,12 @@ impl<'a, 'f> Emitter<'a, 'f> {
         builder: FunctionBuilder<'f>,
         outside: &'a mut dyn FnMut(Outside, &mut ir::Function) -> Option<FuncRef>,
         pointer: Type,
-        wide: bool,
+        members: usize,
         places: usize,
     ) -> Self {
         let (frame, values) = (ir::Value::from_u32(0), vec![None; places]);
-        Self { builder, outside, pointer, wide, frame, lost: None, values, is_missing: false }
+        let wide = members > 1;
+        Self { builder, outside, pointer, wide, members, frame, lost: None, values, is_missing: false }
     }
 
     /// A function of frames that returns nothing.
@@ -156,13 +159,13 @@ impl<'a, 'f> Emitter<'a, 'f> {
         }
     }
 
-    fn ty(&self) -> Type {
+    /// The type of a number.
+    pub(super) fn ty(&self) -> Type {
         if self.wide { types::F64X2 } else { types::F64 }
     }
 
-    fn offset(&self, place: usize) -> i32 {
-        let lanes = if self.wide { LANES } else { 1 };
-        (place * lanes * size_of::<f64>()) as i32
+    pub(super) fn offset(&self, place: usize) -> i32 {
+        (place * self.members * size_of::<f64>()) as i32
     }
 
     /// Memory that is there, where doubles are aligned and nothing more.
@@ -188,15 +191,31 @@ impl<'a, 'f> Emitter<'a, 'f> {
         }
     }
 
+    /// A constant, in all lanes.
     pub(super) fn number(&mut self, x: f64) -> ir::Value {
-        if !self.wide && x.to_bits() == 0 {
+        if self.wide { self.twice(x) } else { self.scalar(x) }
+    }
+
+    /// A constant of one lane.
+    pub(super) fn scalar(&mut self, x: f64) -> ir::Value {
+        if x.to_bits() == 0 {
             return self.builder.ins().f64const(x);
         }
         // read from beside the code: a number alone is put together by two instructions
+        let both = self.twice(x);
+        self.builder.ins().extractlane(both, 0)
+    }
+
+    /// A constant of two lanes.
+    pub(super) fn twice(&mut self, x: f64) -> ir::Value {
         let bytes = [x.to_le_bytes(); 2].concat();
         let both = self.builder.func.dfg.constants.insert(bytes.into());
-        let both = self.builder.ins().vconst(types::F64X2, both);
-        if self.wide { both } else { self.builder.ins().extractlane(both, 0) }
+        self.builder.ins().vconst(types::F64X2, both)
+    }
+
+    /// A number of one lane, in all of them.
+    pub(super) fn in_all_lanes(&mut self, number: ir::Value) -> ir::Value {
+        if self.wide { self.builder.ins().splat(types::F64X2, number) } else { number }
     }
 
     /// `addend + a b`, or `addend − a b`, rounded as the library rounds it.
@@ -321,7 +340,13 @@ impl<'a, 'f> Emitter<'a, 'f> {
 
     /// Whether a comparison holds in all lanes.
     pub(super) fn all(&mut self, condition: ir::Value) -> ir::Value {
-        if self.wide { self.builder.ins().vall_true(condition) } else { condition }
+        if self.wide { self.lanes(condition, 0b11) } else { condition }
+    }
+
+    /// Whether a comparison of two lanes holds in these alone.
+    pub(super) fn lanes(&mut self, condition: ir::Value, which: i64) -> ir::Value {
+        let lanes = self.builder.ins().vhigh_bits(types::I32, condition);
+        self.builder.ins().icmp_imm_s(IntCC::Equal, lanes, which)
     }
 
     /// Stumpff functions, those that are used: of small arguments here, of others by a call.

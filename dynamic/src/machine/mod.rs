@@ -53,6 +53,9 @@ fn is_here() -> bool {
     PROCESSOR.is_some()
 }
 
+/// How many members functions may be for.
+const MEMBERS: [usize; 3] = [1, 2, LANES];
+
 /// A step's functions, compiled when they are needed.
 pub(crate) struct Machine {
     program: Arc<Program>,
@@ -61,10 +64,10 @@ pub(crate) struct Machine {
     layout: Layout,
     /// Whether there is a fast path.
     has_path: bool,
-    /// Those that nearly all steps need, and the others, for one frame and for two.
-    functions: [[OnceLock<Option<Functions>>; 2]; 2],
-    /// What takes many steps at a time, of this one alone or of this one and another one.
-    marches: Mutex<HashMap<Option<usize>, Option<March>>>,
+    /// Those that nearly all steps need, and the others, for as many members side by side as [`MEMBERS`] says.
+    functions: [[OnceLock<Option<Functions>>; 2]; MEMBERS.len()],
+    /// What takes many steps at a time, of this one alone or of this one and another one, with one member or with two.
+    marches: Mutex<HashMap<(Option<usize>, usize), Option<March>>>,
 }
 
 /// Functions that are compiled.
@@ -81,7 +84,7 @@ impl Machine {
     }
 
     /// The functions of which this is one.
-    fn functions(&self, function: StepFunction, wide: bool) -> Option<&Functions> {
+    fn functions(&self, function: StepFunction, members: usize) -> Option<&Functions> {
         let is_rare = |function| function == StepFunction::Correction && self.has_path;
         let rare = is_rare(function);
         let compile = |compiler: &mut Compiler| {
@@ -94,8 +97,9 @@ impl Machine {
             }
             Some(ids)
         };
-        let made = self.functions[usize::from(wide)][usize::from(rare)].get_or_init(|| {
-            let (ids, code) = compiled(wide, compile)?;
+        let place = MEMBERS.iter().position(|count| *count == members)?;
+        let made = self.functions[place][usize::from(rare)].get_or_init(|| {
+            let (ids, code) = compiled(members, compile)?;
             // SAFETY: they were compiled with this signature
             let call = |id| unsafe { std::mem::transmute::<*const u8, Call>(code.address(id)) };
             Some(Functions { calls: ids.map(|id| id.map(call)), _code: code })
@@ -105,7 +109,7 @@ impl Machine {
 
     /// Calls a function on a frame, if there is code for it.
     pub(crate) fn call(&self, function: StepFunction, frame: &mut [f64]) -> bool {
-        let Some(functions) = self.functions(function, false) else { return false };
+        let Some(functions) = self.functions(function, 1) else { return false };
         if frame.len() < self.layout.scratch {
             return false;
         }
@@ -116,9 +120,22 @@ impl Machine {
         true
     }
 
-    /// The same on frames side by side, two at a time.
+    /// The same on two frames side by side.
+    pub(crate) fn call_two(&self, function: StepFunction, frame: &mut [[f64; 2]]) -> bool {
+        let Some(functions) = self.functions(function, 2) else { return false };
+        if frame.len() < self.layout.scratch {
+            return false;
+        }
+        if let Some(call) = functions.calls[function as usize] {
+            // SAFETY: it reads and writes places of the layout alone
+            unsafe { call(frame.as_mut_ptr().cast()) };
+        }
+        true
+    }
+
+    /// The same on many frames side by side, two at a time.
     pub(crate) fn call_wide(&self, function: StepFunction, frame: &mut [[f64; LANES]]) -> bool {
-        let Some(functions) = self.functions(function, true) else { return false };
+        let Some(functions) = self.functions(function, LANES) else { return false };
         if frame.len() < self.layout.scratch {
             return false;
         }
@@ -138,27 +155,29 @@ impl Machine {
     }
 
     /// What takes many steps at a time, or one by Newton's method.
-    pub(crate) fn march(&self, then: Option<usize>) -> Option<March> {
+    pub(crate) fn march(&self, then: Option<usize>, members: usize) -> Option<March> {
         let mut marches = self.marches.lock().unwrap_or_else(PoisonError::into_inner);
-        marches.entry(then).or_insert_with(|| self.marching(then)).clone()
+        marches.entry((then, members)).or_insert_with(|| self.marching(then, members)).clone()
     }
 
-    fn marching(&self, then: Option<usize>) -> Option<March> {
+    fn marching(&self, then: Option<usize>, members: usize) -> Option<March> {
         let places = std::iter::once(self.place).chain(then);
         let steps = places.map(|place| self.program.steps.get(place)).collect::<Option<Vec<_>>>()?;
         let layouts: Vec<Layout> = steps.iter().map(|step| layout(&self.program.interface, step)).collect();
         let stages: Vec<_> = steps.into_iter().zip(&layouts).collect();
         let have_paths = stages.iter().all(|(step, layout)| march::has_path(step, layout));
-        let (id, code) = compiled(false, |compiler| match stages[..] {
+        let (id, code) = compiled(members, |compiler| match stages[..] {
             _ if have_paths => march::defined(compiler, &stages),
-            [(step, layout)] => march::newton_defined(compiler, step, layout),
+            [(step, layout)] if members == 1 => march::newton_defined(compiler, step, layout),
             _ => None,
         })?;
         // SAFETY: it was compiled with this signature
         let call = unsafe {
             std::mem::transmute::<*const u8, unsafe extern "C" fn(*mut Marching)>(code.address(id))
         };
-        let lengths = layouts.iter().map(|layout| [layout.scratch, row_length(layout.unknown.len())]);
+        let lengths = layouts
+            .iter()
+            .map(|layout| [members * layout.scratch, row_length(layout.unknown.len(), members)]);
         // SAFETY: the code is the owner, and goes by the layouts of such frames and such rows
         Some(unsafe { March::new(call, lengths.collect(), Arc::new(code)) })
     }
@@ -166,12 +185,12 @@ impl Machine {
 
 /// What is compiled with as much stack as what derived it; none if it cannot be.
 fn compiled<R: Send>(
-    wide: bool,
+    members: usize,
     compile: impl FnOnce(&mut Compiler) -> Option<R> + Send,
 ) -> Option<(R, Code)> {
     let processor = PROCESSOR.clone()?;
     let all = || {
-        let mut compiler = Compiler::new(processor, wide);
+        let mut compiler = Compiler::new(processor, members);
         let made = compile(&mut compiler)?;
         if compiler.is_missing {
             return None;
@@ -219,13 +238,14 @@ struct Compiler {
     context: cranelift_codegen::Context,
     builder: FunctionBuilderContext,
     outside: HashMap<Outside, FuncId>,
-    wide: bool,
+    /// How many members' numbers are side by side.
+    members: usize,
     /// Whether something is called that there is not.
     is_missing: bool,
 }
 
 impl Compiler {
-    fn new(processor: OwnedTargetIsa, wide: bool) -> Self {
+    fn new(processor: OwnedTargetIsa, members: usize) -> Self {
         let mut builder = JITBuilder::with_isa(processor, default_libcall_names());
         Outside::all()
             .filter_map(Outside::symbol)
@@ -237,14 +257,14 @@ impl Compiler {
             context,
             builder: FunctionBuilderContext::new(),
             outside: HashMap::new(),
-            wide,
+            members,
             is_missing: false,
         }
     }
 
     /// A function of an address.
     fn define(&mut self, places: usize, body: impl FnOnce(&mut Emitter<'_, '_>)) -> Option<FuncId> {
-        let Self { code, context, builder, outside, wide, is_missing } = self;
+        let Self { code, context, builder, outside, members, is_missing } = self;
         let module = code.module();
         let config = module.target_config();
         let pointer = config.pointer_type();
@@ -273,7 +293,7 @@ impl Compiler {
                 Some(found)
             };
             let builder = FunctionBuilder::new(&mut context.func, builder);
-            let mut emitter = Emitter::new(builder, &mut find, pointer, *wide, places);
+            let mut emitter = Emitter::new(builder, &mut find, pointer, *members, places);
             let block = emitter.builder.create_block();
             emitter.builder.append_block_params_for_function_params(block);
             emitter.builder.switch_to_block(block);

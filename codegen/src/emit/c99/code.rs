@@ -25,6 +25,8 @@ pub(super) struct Spelling<'s> {
     pub(super) prefix: &'s str,
     pub(super) scalar: ScalarType,
     pub(super) interface: &'s Interface,
+    /// How many Stumpff functions are computed together wherever there are any, if these are always as many: code that is there once.
+    pub(super) family: Option<usize>,
 }
 
 /// How tightly an operator binds.
@@ -100,7 +102,7 @@ impl Spelling<'_> {
                 {
                     let used = values.iter().flatten().copied().filter(|value| needed.contains(value));
                     let first = used.map(|place| value(module, place)).next().unwrap_or_default();
-                    let (family, n) = (format!("family_of_{first}"), values.len());
+                    let (family, n) = (format!("family_of_{first}"), self.family.unwrap_or(values.len()));
                     let function = match arithmetic {
                         Arithmetic::Plain => format!("{}_stumpff_{n}", self.prefix),
                         Arithmetic::Bounded => format!("{}_bounded_stumpff_{n}", self.prefix),

@@ -153,14 +153,20 @@ pub fn header(program: &Program, options: &Options) -> Result<String, Error> {
         ));
     }
     let prefix = snake_case(&interface.name);
-    let spelling =
-        Spelling { prefix: &prefix, scalar: options.scalar.unwrap_or(interface.scalar), interface };
     let mut options = options.clone();
     if options.steps.is_empty() {
         options.steps = standard(program);
     }
     let parts = options.steps.iter().map(|steps| steps.parts(program)).collect::<Result<Vec<_>, _>>()?;
     let used = |place: &usize| parts.iter().flatten().any(|part| part == place);
+    let mut special = special_functions(program, (0..program.steps.len()).filter(used));
+    let mut family = None;
+    if options.compact {
+        family = special.families.last().copied();
+        special.families = family.into_iter().collect();
+    }
+    let scalar = options.scalar.unwrap_or(interface.scalar);
+    let spelling = Spelling { prefix: &prefix, scalar, interface, family };
     let is_timed = |place: usize| {
         let begin = program.steps[place].module.function(StepRole::Begin);
         begin.is_some_and(|begin| code::uses(begin, Input::Time))
@@ -187,16 +193,6 @@ pub fn header(program: &Program, options: &Options) -> Result<String, Error> {
 
     let has_derivative = derivative::is_there(program);
     let words = words(&spelling, is_timed).holds("derivative", has_derivative);
-    let mut special = Special::default();
-    kernels
-        .values()
-        .flat_map(|kernel| &kernel.step.module.functions)
-        .for_each(|function| special.note(function));
-    let derivatives = kernels.values().filter_map(|kernel| kernel.step.derivative.as_ref());
-    derivatives.flat_map(|module| &module.functions).for_each(|function| special.note(function));
-    for role in system::roles(program) {
-        program.function(role).into_iter().for_each(|(_, function)| special.note(function));
-    }
     let mut text = about(interface, &steppers);
     let solved = kernels.values().any(|kernel| kernel.size() > 0);
     text += &beginning(interface, &spelling, (solved, options.compact), &words);
@@ -219,6 +215,20 @@ pub fn header(program: &Program, options: &Options) -> Result<String, Error> {
     }
     text += &words.fill(END);
     Ok(text)
+}
+
+/// The special functions of a program with these steps.
+fn special_functions(program: &Program, steps: impl Iterator<Item = usize>) -> Special {
+    let mut special = Special::default();
+    for step in steps.map(|place| &program.steps[place]) {
+        step.module.functions.iter().for_each(|function| special.note(function));
+        let derivative = step.derivative.iter().flat_map(|module| &module.functions);
+        derivative.for_each(|function| special.note(function));
+    }
+    for role in system::roles(program) {
+        program.function(role).into_iter().for_each(|(_, function)| special.note(function));
+    }
+    special
 }
 
 /// The standard steps on the retractions that the program has steps with.

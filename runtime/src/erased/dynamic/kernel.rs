@@ -6,10 +6,10 @@ use std::vec::Vec;
 use super::step::{Called, Step, StepFunction};
 use crate::bytecode::{self, Function, Given};
 use crate::kernel::{Blocks, Evaluation, Kernel};
-use crate::scalar::Scalar;
 use crate::scalar::bounded::Bounded;
-use crate::scalar::simd::frame::Handle;
+use crate::scalar::simd::frame::{Handle, Two};
 use crate::scalar::simd::march;
+use crate::scalar::{Batch, Scalar};
 
 /// The numbers of a step.
 pub(super) struct Frame<T: Called> {
@@ -268,23 +268,27 @@ pub(super) trait OfKernel<T: Called> {
     fn made<const U: usize>(self, step: &Arc<Step>) -> Self::Made;
 }
 
-/// How many numbers there are from one solution to the next where those of so many unknowns are remembered.
-pub const fn row_length(unknowns: usize) -> usize {
+/// How many numbers there are from one solution to the next where those of so many unknowns are remembered, of one member or of two.
+pub const fn row_length(unknowns: usize, members: usize) -> usize {
+    if members == 2 { length_of::<Two>(unknowns) } else { length_of::<f64>(unknowns) }
+}
+
+const fn length_of<T: Batch>(unknowns: usize) -> usize {
     // as below
     match unknowns {
-        0 => march::row_length::<0>(),
-        1..=3 => march::row_length::<3>(),
-        4..=6 => march::row_length::<6>(),
-        7..=MOST_IN_LANES => march::row_length::<MOST_IN_LANES>(),
-        13..=24 => march::row_length::<24>(),
-        _ => march::row_length::<MOST_UNKNOWNS>(),
+        0 => march::row_length::<T, 0>(),
+        1..=3 => march::row_length::<T, 3>(),
+        4..=6 => march::row_length::<T, 6>(),
+        7..=MOST_IN_LANES => march::row_length::<T, MOST_IN_LANES>(),
+        13..=24 => march::row_length::<T, 24>(),
+        _ => march::row_length::<T, MOST_UNKNOWNS>(),
     }
 }
 
 /// Whether steps of so many unknowns each have the same room for them.
 pub(super) const fn have_the_same_room(one: usize, other: usize) -> bool {
     // with room for none, rows are as long as with room for some
-    row_length(one) == row_length(other) && (one == 0) == (other == 0)
+    length_of::<f64>(one) == length_of::<f64>(other) && (one == 0) == (other == 0)
 }
 
 /// Makes something of a step's kernel.

@@ -66,7 +66,7 @@ impl<T: Called, const U: usize> DynamicMethod<T, U> {
         if most == 0 {
             return None;
         }
-        let march = self.march.get_or_insert_with(|| self.step.functions.march(None)).as_ref()?;
+        let march = self.march.get_or_insert_with(|| T::march(&*self.step.functions, None)).as_ref()?;
         let [marched] =
             method.kernel().0.with(|frame| march.take([method.lent(&mut frame.rows, clock, most)]));
         method.marched(&marched, marched.steps);
@@ -79,7 +79,7 @@ impl<T: Called, const U: usize> DynamicMethod<T, U> {
         if step.has_fast_path() || !T::has_march(&*step.functions) || !joined.user().remembers() {
             return None;
         }
-        let march = march.get_or_insert_with(|| step.functions.march(None)).as_ref()?;
+        let march = march.get_or_insert_with(|| T::march(&*step.functions, None)).as_ref()?;
         let method = joined.user();
         let [marched] =
             method.kernel().0.with(|frame| march.take([method.lent(&mut frame.rows, Clock::at(time), 1)]));
@@ -159,7 +159,8 @@ impl<T: Called, const U: usize> Method<T> for DynamicMethod<T, U> {
                 report.steps += marched.steps;
                 has_first = marched.has_first;
             }
-            if report.steps == most {
+            // in lanes a step that fails counts where it does not: `advance` is asked, which says so
+            if report.steps == most || T::LANES > 1 {
                 break;
             }
             let time = T::of(clock.after(report.steps));

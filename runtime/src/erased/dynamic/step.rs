@@ -6,7 +6,7 @@ use std::vec::Vec;
 
 use crate::erased::jacobian::Jacobian;
 use crate::retraction::RetractionKind;
-use crate::scalar::simd::frame::{Framed, LANES, Wide};
+use crate::scalar::simd::frame::{Framed, LANES, Two, Wide};
 use crate::scalar::simd::march::March;
 use crate::scheme::Rule;
 
@@ -37,6 +37,8 @@ pub trait StepFunctions: Send + Sync + 'static {
     fn call(&self, function: StepFunction, frame: &mut [f64]);
     /// Calls a function on several frames, number by number side by side. In each lane the result is that of the lane alone, bit for bit.
     fn call_wide(&self, function: StepFunction, frame: &mut [[f64; LANES]]);
+    /// Calls a function on two frames, in the same way.
+    fn call_two(&self, function: StepFunction, frame: &mut [[f64; 2]]);
     /// Whether there may be machine code that takes many steps at a time, as long as they are as most are; where there is no fixed-point iteration, a
     /// step by Newton's method.
     fn has_march(&self) -> bool {
@@ -44,6 +46,10 @@ pub trait StepFunctions: Send + Sync + 'static {
     }
     /// That code; or the code for steps that are this one and another one, in this place among all of the system, each of half the length.
     fn march(&self, _then: Option<usize>) -> Option<March> {
+        None
+    }
+    /// The same of two members side by side, if there is a fixed-point iteration.
+    fn march_two(&self, _then: Option<usize>) -> Option<March> {
         None
     }
 }
@@ -204,6 +210,10 @@ pub(crate) trait Called: Framed {
     fn has_march(_functions: &dyn StepFunctions) -> bool {
         false
     }
+    /// That code; with another step, if one is given.
+    fn march(_functions: &dyn StepFunctions, _then: Option<usize>) -> Option<March> {
+        None
+    }
 }
 
 impl Called for f64 {
@@ -213,6 +223,24 @@ impl Called for f64 {
 
     fn has_march(functions: &dyn StepFunctions) -> bool {
         functions.has_march()
+    }
+
+    fn march(functions: &dyn StepFunctions, then: Option<usize>) -> Option<March> {
+        functions.march(then)
+    }
+}
+
+impl Called for Two {
+    fn call(functions: &dyn StepFunctions, function: StepFunction, frame: &mut [[f64; 2]]) {
+        functions.call_two(function, frame);
+    }
+
+    fn has_march(functions: &dyn StepFunctions) -> bool {
+        functions.has_march()
+    }
+
+    fn march(functions: &dyn StepFunctions, then: Option<usize>) -> Option<March> {
+        functions.march_two(then)
     }
 }
 

@@ -12,7 +12,7 @@ use super::pair::pair;
 use super::step::{Called, Step};
 use super::taylor::{DynamicTaylor, SeriesFunctions};
 use crate::crossing::Event;
-use crate::ensemble::members::{Member, Members};
+use crate::ensemble::members::{BlockBuilder, Member, Members};
 use crate::ensemble::{EnsembleError, Instructions};
 use crate::erased::adaptive::TaylorSteps;
 use crate::erased::composition::composed;
@@ -25,7 +25,7 @@ use crate::flat::{Method, NotGenerated};
 use crate::inertia::{require_finite, require_positive_definite, require_symmetric, symmetrize};
 use crate::legendre::{self, LegendreError};
 use crate::retraction::RetractionKind;
-use crate::scalar::simd::frame::{Wide, has_lanes};
+use crate::scalar::simd::frame::{Two, Wide, has_lanes};
 use crate::scheme::Rule;
 use crate::schemes::Scheme;
 use crate::system::{Description, Kind, Quantity, Role, Side, Stored, larger};
@@ -212,7 +212,29 @@ impl DynamicSystem {
                 Err(NotGenerated { scheme: scheme.to_string(), system: name, key }.into())
             }
         };
-        composed(scheme, invariant, step, &mut generated, &mut |_, _| None)
+        composed(scheme, invariant, step, &mut generated, &mut |map, step| self.halves(map, parameters, step))
+    }
+
+    fn side_by_side<T: Called + BlockBuilder>(
+        &self,
+        scheme: &Scheme,
+        members: &[Member],
+        step: f64,
+    ) -> Result<Members, EnsembleError> {
+        Members::of::<T, _>(members, step, |parameters, step| self.composed(scheme, parameters, step))
+    }
+
+    /// What takes a step of two halves, if machine code takes both at a time.
+    fn halves<T: Called>(
+        &self,
+        map: RetractionKind,
+        parameters: &[T],
+        step: T,
+    ) -> Option<Box<dyn Method<T>>> {
+        let (first, second) = (Rule::Member(0, 1), (map, Rule::Member(1, 1)));
+        let steps = &self.definition.steps;
+        let place = steps.iter().position(|step| step.schemes.contains(&second))?;
+        pair(self.step(map, first)?, (&steps[place], place), parameters, step)
     }
 
     /// The state, or as many numbers.
@@ -375,10 +397,7 @@ impl System for DynamicSystem {
     }
 
     fn pair(&self, map: RetractionKind, step: f64) -> Option<Box<dyn Method<f64>>> {
-        let (first, second) = (Rule::Member(0, 1), (map, Rule::Member(1, 1)));
-        let steps = &self.definition.steps;
-        let place = steps.iter().position(|step| step.schemes.contains(&second))?;
-        pair(self.step(map, first)?, (&steps[place], place), &Geometry::parameters(self), step)
+        self.halves(map, &Geometry::parameters(self), step)
     }
 
     fn linearization(
@@ -398,7 +417,8 @@ impl System for DynamicSystem {
 }
 
 impl EnsembleSystem for DynamicSystem {
-    /// Nothing is compiled for each scheme here: all that there are steps for.
+    /// Nothing is compiled for each scheme here: all that there are steps for. Two are side by side where machine code takes many steps, and many
+    /// where each is taken by the solver.
     fn members(
         &self,
         scheme: &Scheme,
@@ -406,11 +426,14 @@ impl EnsembleSystem for DynamicSystem {
         step: f64,
         _: Instructions,
     ) -> Result<Members, EnsembleError> {
-        let is_small = |step: &Arc<Step>| step.layout.unknown.len() <= MOST_IN_LANES;
-        if has_lanes() && self.definition.steps.iter().all(is_small) {
-            Members::of::<Wide, _>(members, step, |parameters, step| self.composed(scheme, parameters, step))
+        let all = |holds: fn(&Step) -> bool| self.definition.steps.iter().all(|step| holds(step));
+        let are_small = all(|step| step.layout.unknown.len() <= MOST_IN_LANES);
+        if are_small && all(|step| step.has_fast_path() && step.functions.has_march()) {
+            self.side_by_side::<Two>(scheme, members, step)
+        } else if are_small && has_lanes() {
+            self.side_by_side::<Wide>(scheme, members, step)
         } else {
-            Members::of::<f64, _>(members, step, |parameters, step| self.composed(scheme, parameters, step))
+            self.side_by_side::<f64>(scheme, members, step)
         }
     }
 }

@@ -6,9 +6,7 @@ use core::ptr::NonNull;
 use std::boxed::Box;
 use std::sync::Arc;
 
-#[cfg(not(target_arch = "x86_64"))]
-use super::lanes::Portable;
-use super::lanes::{Lanes, Processor};
+use super::lanes::{Lanes, Portable, Processor};
 #[cfg(target_arch = "x86_64")]
 use super::processor::{Avx2, Avx512};
 use crate::scalar::{Batch, Work};
@@ -23,6 +21,9 @@ pub(crate) type Wide = Lanes<f64, LANES, Avx2>;
 /// So many numbers.
 #[cfg(not(target_arch = "x86_64"))]
 pub(crate) type Wide = Lanes<f64, LANES, Portable>;
+
+/// The numbers of two members, which fill a register wherever machine code is made as the program runs.
+pub(crate) type Two = Lanes<f64, 2, Portable>;
 
 /// Whether the processor has the instructions for [`Wide`] numbers.
 pub(crate) fn has_lanes() -> bool {
@@ -67,8 +68,11 @@ impl Framed for f64 {
     }
 }
 
-impl<P: Processor> Framed for Lanes<f64, LANES, P> {
-    type Row = [f64; LANES];
+impl<const L: usize, P: Processor> Framed for Lanes<f64, L, P>
+where
+    [f64; L]: Default,
+{
+    type Row = [f64; L];
 
     #[inline(always)]
     fn row(self) -> Self::Row {

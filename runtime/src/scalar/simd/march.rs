@@ -7,13 +7,13 @@ use std::sync::Arc;
 use std::vec::Vec;
 
 use super::frame::Framed;
+use crate::scalar::Components;
 use crate::scalar::rows::Row;
-use crate::scalar::{Components, Real};
 
 /// How many solutions are remembered.
 pub(crate) const WINDOW: usize = 16;
 
-/// What machine code goes on from in one stage of its steps, and where it has led to.
+/// What machine code goes on from in one stage of its steps, and where it has led to: of one member, or of two whose numbers are side by side.
 #[repr(C)]
 #[derive(Debug)]
 pub struct Marching {
@@ -26,8 +26,8 @@ pub struct Marching {
     pub next: *mut f64,
     /// The latest solution, of Newton's method.
     pub solution: *mut f64,
-    /// The relative change of an iteration that may be the last; after a step by Newton's method the residual that it leaves.
-    pub tolerance: f64,
+    /// The relative change of an iteration that may be the last, of each member; after a step by Newton's method the residual that it leaves.
+    pub tolerance: [f64; 2],
     /// Steps start at `start + taken · step`.
     pub start: f64,
     /// As above.
@@ -109,13 +109,12 @@ impl<'a> Lent<'a> {
         most: u64,
     ) -> Self {
         let Remembered { ring, next, solution, oldest } = remembered;
-        // one double: there are no others of one lane
-        let row = if T::LANES == 1 { size_of::<Row<T, U, 1>>() / size_of::<f64>() } else { usize::MAX };
+        let row = size_of::<Row<T, U, 1>>() / size_of::<f64>();
         let marching = Marching {
             ring: ring.as_mut_ptr().cast(),
             next: next.as_mut().as_mut_ptr().cast(),
             solution: solution.as_mut().as_mut_ptr().cast(),
-            tolerance: tolerance.lane(0).to_f64(),
+            tolerance: [0, T::LANES - 1].map(|lane| tolerance.lane(lane)),
             start,
             step,
             taken,
@@ -128,13 +127,13 @@ impl<'a> Lent<'a> {
             has_first: 0,
             frame: frame.as_mut_ptr().cast(),
         };
-        Self { marching, lengths: [frame.len(), row], _lent: PhantomData }
+        Self { marching, lengths: [frame.len() * T::LANES, row], _lent: PhantomData }
     }
 }
 
 /// How many numbers there are from one solution that is remembered to the next, with room for so many unknowns.
-pub(crate) const fn row_length<const U: usize>() -> usize {
-    size_of::<Row<f64, [f64; U], 1>>() / size_of::<f64>()
+pub(crate) const fn row_length<T, const U: usize>() -> usize {
+    size_of::<Row<T, [T; U], 1>>() / size_of::<f64>()
 }
 
 impl March {
@@ -168,7 +167,7 @@ impl March {
             oldest: marching.oldest as u32,
             more: (marching.more, marching.most_more as u32),
             has_first: marching.has_first != 0,
-            tolerance: marching.tolerance,
+            tolerance: marching.tolerance[0],
         })
     }
 }
