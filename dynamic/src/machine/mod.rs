@@ -66,9 +66,11 @@ pub(crate) struct Machine {
     has_path: bool,
     /// Those that nearly all steps need, and the others, for as many members side by side as [`MEMBERS`] says.
     functions: [[OnceLock<Option<Functions>>; 2]; MEMBERS.len()],
-    /// What takes many steps at a time, of this one alone or of this one and another one, with one member or with two.
-    marches: Mutex<HashMap<(Option<usize>, usize), Option<March>>>,
+    marches: Mutex<Marches>,
 }
+
+/// What takes many steps at a time, of one alone or of it and another one, with one member or with two.
+type Marches = HashMap<(Option<usize>, usize), Option<March>>;
 
 /// Functions that are compiled.
 struct Functions {
