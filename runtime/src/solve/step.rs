@@ -166,7 +166,7 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
             let step = &kernel.begin(state, time, control);
             let equation = &AtState { kernel: &*kernel, state, step };
             let solution = fixed_point::solve(equation, memory, &predicted(equation, memory), first);
-            if let Some(advanced) = advanced(equation, memory, &solution, time, control) {
+            if let Some(advanced) = advanced::<_, _, true>(equation, memory, &solution, time, control) {
                 return Ok(advanced);
             }
         }
@@ -353,7 +353,7 @@ impl<T: Batch, K: Kernel<T>> Work for SlowPath<'_, T, K> {
             let solution = fixed_point::solve(equation, memory, guess, first);
             // numbers stay in registers; in lanes there are too few
             if const { T::LANES == 1 }
-                && let Some(advanced) = advanced(equation, memory, &solution, time, control)
+                && let Some(advanced) = advanced::<_, _, false>(equation, memory, &solution, time, control)
             {
                 return Ok(advanced);
             }
@@ -468,9 +468,10 @@ fn rescue<T: Batch, K: Kernel<T>>(
     errors
 }
 
-/// Where a step has led to, if its equation is solved in all lanes and nothing is wrong.
+/// Where a step has led to, if its equation is solved in all lanes and nothing is wrong. What it learns of the step is compiled in line, a twentieth of
+/// the instructions of steps with two iterations, or not.
 #[inline(always)]
-fn advanced<T: Batch, K: Kernel<T>>(
+fn advanced<T: Batch, K: Kernel<T>, const IN_LINE: bool>(
     equation: &AtState<'_, T, K>,
     memory: &mut Memory<T, K::Unknown>,
     solution: &SolutionOf<T, K>,
@@ -484,12 +485,16 @@ fn advanced<T: Batch, K: Kernel<T>>(
     if !accepted.good.all() {
         return None;
     }
-    T::dispatch(Learn { equation, memory, solution: &solution.unknown, rate: solution.rate });
+    if const { IN_LINE } {
+        memory.learn(equation.kernel, || equation.start(), &solution.unknown, solution.rate);
+    } else {
+        T::dispatch(Learn { equation, memory, solution: &solution.unknown, rate: solution.rate });
+    }
     let Solution { iterations, residual, .. } = *solution;
     Some(Advanced { state: accepted.next, iterations, residual })
 }
 
-/// Remembers a step that needed more than one iteration: for all ways that lead to one.
+/// Remembers a step that needed more than one iteration: compiled once for nearly all ways that lead to one, for it is long.
 struct Learn<'a, T: Batch, K: Kernel<T>> {
     equation: &'a AtState<'a, T, K>,
     memory: &'a mut Memory<T, K::Unknown>,

@@ -16,8 +16,8 @@ pub use crate::system::stepper::Stepper;
 pub(crate) use crate::system::stepper::check_step;
 use crate::system::{Control, MethodOf, State, System};
 use report::{RunError, RunReport};
-#[doc(hidden)]
 pub use stepping::Stepping;
+#[doc(hidden)]
 pub use stepping::{EventSeries, Inputs};
 pub(crate) use trajectory::trajectory;
 
