@@ -198,8 +198,8 @@ fn main() {
     for instructions in
         Instructions::available().filter(|instructions| *instructions != Instructions::Portable)
     {
-        for body in 0..BODIES.len() {
-            let inertia = BODIES[body].0.into();
+        for (body, (moments, _)) in BODIES.iter().enumerate() {
+            let inertia = (*moments).into();
             let free = |momentum: [f64; 3]| BodyState {
                 attitude: UnitQuaternion::identity(),
                 momentum: momentum.into(),
@@ -240,7 +240,7 @@ fn main() {
                     .zip(&best)
                     .map(|((name, _), time)| format!("{name} {time:.2} ({:.2})", time / best[0]))
                     .collect();
-                println!("{name}, {:?}, {instructions:?}: {}", BODIES[body].0, cells.join(", "));
+                println!("{name}, {moments:?}, {instructions:?}: {}", cells.join(", "));
             }
         }
     }
