@@ -469,7 +469,7 @@ fn rescue<T: Batch, K: Kernel<T>>(
 }
 
 /// Where a step has led to, if its equation is solved in all lanes and nothing is wrong. What it learns of the step is compiled in line, a twentieth of
-/// the instructions of steps with two iterations, or not.
+/// the instructions of steps with two iterations, in one place of each kernel.
 #[inline(always)]
 fn advanced<T: Batch, K: Kernel<T>, const IN_LINE: bool>(
     equation: &AtState<'_, T, K>,
@@ -485,7 +485,7 @@ fn advanced<T: Batch, K: Kernel<T>, const IN_LINE: bool>(
     if !accepted.good.all() {
         return None;
     }
-    if const { IN_LINE } {
+    if const { IN_LINE || !OneStep::<T, K>::IS_SMALL } {
         memory.learn(equation.kernel, || equation.start(), &solution.unknown, solution.rate);
     } else {
         T::dispatch(Learn { equation, memory, solution: &solution.unknown, rate: solution.rate });
