@@ -267,7 +267,6 @@ fn step(all: &Arc<Program>, place: usize, interpreted: bool) -> Step {
             .filter_map(|scheme| Some((retraction(scheme.retraction), rule(scheme.rule)?)))
             .collect(),
         blocks: program.blocks.clone(),
-        has_fixed_point_update: module.function(StepRole::FixedPointUpdate).is_some(),
         has_domain: module.function(StepRole::Domain).is_some(),
         has_true_jacobian: program.has_true_jacobian,
         is_newton: program.is_newton,

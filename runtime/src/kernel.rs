@@ -99,14 +99,6 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
         unknown: &Self::Unknown,
         evaluation: &Evaluation<Self::Unknown, Self::Iterate>,
     ) -> Self::Unknown;
-    /// Whether there is a [`fixed_point_update`](Self::fixed_point_update): the left side is linear with constant coefficients. Known when
-    /// the code is compiled, so that of what needs it nothing is compiled where there is none.
-    const HAS_FIXED_POINT_UPDATE: bool = true;
-    /// Whether there is one, where there may be.
-    #[inline(always)]
-    fn has_fixed_point_update(&self) -> bool {
-        Self::HAS_FIXED_POINT_UPDATE
-    }
     /// Whether the Newton [correction](Self::correction) is of the residual's Jacobian, not of one of fewer terms.
     const HAS_TRUE_JACOBIAN: bool = true;
     /// [`HAS_TRUE_JACOBIAN`](Self::HAS_TRUE_JACOBIAN)
@@ -114,8 +106,8 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
     fn has_true_jacobian(&self) -> bool {
         Self::HAS_TRUE_JACOBIAN
     }
-    /// Whether the update is a simplified Newton step with nearly the true Jacobian, and the state after the step is made of the unknown alone, not
-    /// of an evaluation near it.
+    /// Whether the update is a Newton step, or a simplified one with nearly the true Jacobian, and the state after the step is made of the unknown alone,
+    /// not of an evaluation near it.
     const IS_NEWTON: bool = false;
     /// [`IS_NEWTON`](Self::IS_NEWTON)
     #[inline(always)]
@@ -123,16 +115,24 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
         Self::IS_NEWTON
     }
     /// The next iterate of the fixed-point iteration: with `left(x) = L x` it is `L⁻¹ right(x)`, or, where `right` is `n/(1 + d)`, `L⁻¹ n − d x`,
-    /// which has the same fixed point and waits for no division. Not to be called where there is none.
+    /// which has the same fixed point and waits for no division. Where `left` is not linear with constant coefficients it is Newton's, `x` less the
+    /// [correction](Self::correction).
     #[inline(always)]
     fn fixed_point_update(
         &self,
-        _state: &Self::State,
-        _step: &Self::Step,
-        _unknown: &Self::Unknown,
+        state: &Self::State,
+        step: &Self::Step,
+        unknown: &Self::Unknown,
         evaluation: &Evaluation<Self::Unknown, Self::Iterate>,
     ) -> Self::Unknown {
-        evaluation.right
+        let mut next = *unknown;
+        let correction = self.correction(state, step, unknown, evaluation);
+        let mut i = 0;
+        while i < Self::Unknown::LENGTH {
+            next.as_mut()[i] = next.as_mut()[i] - correction.as_ref()[i];
+            i += 1;
+        }
+        next
     }
     /// Positive inside the retraction's domain, zero on its edge. None if there is no edge.
     #[inline(always)]

@@ -141,8 +141,8 @@ pub(crate) fn step<'a>(
         kernel::derivative(arena, &step, &linearization, wanted, Inputs::of(system))
     });
     let Step { blocks, bounded, iteration, .. } = step;
-    let has_true_jacobian = iteration == Iteration::FixedPoint;
-    let is_newton = matches!(iteration, Iteration::Newton(_));
+    let has_true_jacobian = matches!(iteration, Iteration::FixedPoint | Iteration::TrueNewton);
+    let is_newton = matches!(iteration, Iteration::Newton(_) | Iteration::TrueNewton);
     StepProgram { scheme, aliases, blocks, bounded, has_true_jacobian, is_newton, module, derivative }
 }
 

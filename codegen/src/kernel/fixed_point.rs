@@ -1,29 +1,13 @@
 //! The update of the fixed-point iteration on a step's equation `L x = right(x)`.
 
-use crate::expr::{Expr, Matrix, Stage, Vector};
+use crate::expr::{Expr, Matrix, Vector};
 use crate::method::Step;
 
-/// `L⁻¹`, where the left side is linear in the unknown with coefficients that depend on parameters and step alone: it
-/// is then computed once, when the stepper is built.
-fn inverse<'a>(step: &Step<'a>) -> Option<Matrix<'a>> {
-    let symbols = step.unknown.symbols();
-    if symbols.is_empty() {
-        return None;
-    }
-    let matrix = step.left.jacobian(&symbols);
-    let is_constant = matrix.entries.iter().all(|entry| entry.stage() <= Stage::Parameters);
-    // a function with a constant Jacobian is linear up to its value at zero
-    let is_linear = step.left.at_zero(&symbols).iter().all(Expr::is_zero) && !step.left.chooses_by(&symbols);
-    if !(is_constant && is_linear) {
-        return None;
-    }
-    Some(matrix.inverse())
-}
-
-/// The next iterate: `L⁻¹ right`, or that of the equation without denominators, if there are any.
-pub(super) fn update<'a>(step: &Step<'a>, right: &Vector<'a>) -> Option<Vector<'a>> {
-    let inverse = inverse(step)?;
-    Some(cleared_update(step, &inverse).unwrap_or_else(|| inverse.map(Expr::hold).times(right)))
+/// The next iterate: `L⁻¹ right`, or that of the equation without denominators, if there are any. `L` is constant: its inverse is computed once, when
+/// the stepper is built.
+pub(super) fn update<'a>(step: &Step<'a>, right: &Vector<'a>) -> Vector<'a> {
+    let inverse = step.left.jacobian(&step.unknown.symbols()).inverse();
+    cleared_update(step, &inverse).unwrap_or_else(|| inverse.map(Expr::hold).times(right))
 }
 
 /// The next iterate of the simplified Newton iteration, `x − M⁻¹ (left(x) − right)` with this matrix.

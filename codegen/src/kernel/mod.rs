@@ -71,14 +71,16 @@ pub fn step<'a>(arena: &'a Arena, step: &Step<'a>, inputs: Inputs) -> Module<Ste
         Vector((1..=unknown.len()).map(symbol).collect::<Vec<_>>())
     };
     let (residual, right) = (numbered("residual"), numbered("right"));
-    let none = || Vector(Vec::new());
+    let correction = correction(step, &residual);
     let update = match &step.iteration {
-        Iteration::FixedPoint => fixed_point::update(step, &right).unwrap_or_else(none),
+        // less the correction
+        Iteration::TrueNewton => Vector(Vec::new()),
+        Iteration::FixedPoint if unknown.is_empty() => Vector(Vec::new()),
+        Iteration::FixedPoint => fixed_point::update(step, &right),
         Iteration::Chord(matrix) | Iteration::Newton(matrix) => {
             fixed_point::simplified_newton(step, matrix, &right)
         }
     };
-    let correction = correction(step, &residual);
     let inputs = inputs
         .with(Input::StepSize, step.h.as_symbol().into_iter().collect())
         .with(Input::Unknown, unknown.clone())
@@ -123,10 +125,9 @@ fn correction<'a>(step: &Step<'a>, residual: &Vector<'a>) -> Vector<'a> {
         |(k, entry): (usize, &Expr<'a>)| entry.hold().named(format!("jacobian_{}{}", k / n + 1, k % n + 1));
     let entries = step.matrix.entries.iter().enumerate().map(named).collect();
     let matrix = Matrix::new(n, n, entries);
-    if step.iteration == Iteration::FixedPoint {
-        matrix.solve(residual)
-    } else {
-        matrix.solve_apart(residual)
+    match step.iteration {
+        Iteration::FixedPoint | Iteration::TrueNewton => matrix.solve(residual),
+        Iteration::Chord(_) | Iteration::Newton(_) => matrix.solve_apart(residual),
     }
 }
 

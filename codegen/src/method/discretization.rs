@@ -154,6 +154,7 @@ impl<'s, 'a> Discretization<'s, 'a> {
         let (left, right) = (join(|equation| &equation.left), join(|equation| &equation.right));
         let unknown = join(|equation| &equation.unknown);
         let matrix = (&left - &right).jacobian(&unknown.symbols());
+        let is_linear = is_linear(&left, &unknown.symbols());
         Step {
             h: self.step,
             given: [system.time_symbol(), system.control_symbols()].concat(),
@@ -162,7 +163,7 @@ impl<'s, 'a> Discretization<'s, 'a> {
             blocks: equations.iter().flat_map(|equation| equation.blocks.clone()).collect(),
             start: join(|equation| &equation.start),
             matrix,
-            iteration: Iteration::FixedPoint,
+            iteration: if is_linear { Iteration::FixedPoint } else { Iteration::TrueNewton },
             left,
             right,
             next: system.join_state(next).substitute(&found),
@@ -170,6 +171,14 @@ impl<'s, 'a> Discretization<'s, 'a> {
             increments,
         }
     }
+}
+
+/// Whether a function of the unknowns is linear, with coefficients that depend on parameters and step alone.
+fn is_linear(function: &Vector<'_>, unknown: &[Symbol]) -> bool {
+    let coefficients = function.jacobian(unknown).entries;
+    coefficients.iter().all(|entry| entry.stage() <= Stage::Parameters)
+        && function.at_zero(unknown).iter().all(|value| value.is_zero())
+        && !function.chooses_by(unknown)
 }
 
 /// Components of the state that are bounded if the unknown is: the rotations that the unknown moves, not what is known

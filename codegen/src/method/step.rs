@@ -43,6 +43,8 @@ pub enum Iteration<'a> {
     Chord(Matrix<'a>),
     /// The same with nearly the true Jacobian, so that little is left after an iteration.
     Newton(Matrix<'a>),
+    /// Newton's method itself, where the left side is not linear with constant coefficients.
+    TrueNewton,
 }
 
 impl<'a> Step<'a> {

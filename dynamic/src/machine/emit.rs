@@ -127,16 +127,6 @@ impl<'a, 'f> Emitter<'a, 'f> {
         }
     }
 
-    /// What is known, to come back to after what is written beside the way that all goes.
-    pub(super) fn known(&self) -> Vec<Option<Known>> {
-        self.values.clone()
-    }
-
-    /// Knows what was [known](Self::known) once.
-    pub(super) fn know_again(&mut self, known: Vec<Option<Known>>) {
-        self.values = known;
-    }
-
     /// Knows none of so many values any more.
     pub(super) fn forget(&mut self, places: usize) {
         self.values = vec![None; places];
@@ -238,7 +228,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
     }
 
     /// `yes` where the comparison holds.
-    fn select(&mut self, condition: ir::Value, yes: ir::Value, no: ir::Value) -> ir::Value {
+    pub(super) fn select(&mut self, condition: ir::Value, yes: ir::Value, no: ir::Value) -> ir::Value {
         if !self.wide {
             return self.builder.ins().select(condition, yes, no);
         }

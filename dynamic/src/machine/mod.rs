@@ -62,8 +62,6 @@ pub(crate) struct Machine {
     /// Which of its steps it is.
     place: usize,
     layout: Layout,
-    /// Whether there is a fast path.
-    has_path: bool,
     /// Those that nearly all steps need, and the others, for as many members side by side as [`MEMBERS`] says.
     functions: [[OnceLock<Option<Functions>>; 2]; MEMBERS.len()],
     marches: Mutex<Marches>,
@@ -80,14 +78,12 @@ struct Functions {
 
 impl Machine {
     pub(crate) fn new(program: Arc<Program>, place: usize, layout: Layout) -> Self {
-        let has_path =
-            is_here() && program.steps.get(place).is_some_and(|step| march::has_path(step, &layout));
-        Self { program, place, layout, has_path, functions: Default::default(), marches: Mutex::default() }
+        Self { program, place, layout, functions: Default::default(), marches: Mutex::default() }
     }
 
     /// The functions of which this is one.
     fn functions(&self, function: StepFunction, members: usize) -> Option<&Functions> {
-        let is_rare = |function| function == StepFunction::Correction && self.has_path;
+        let is_rare = |function| function == StepFunction::Correction && is_here();
         let rare = is_rare(function);
         let compile = |compiler: &mut Compiler| {
             let step = &self.program.steps[self.place];
@@ -151,12 +147,12 @@ impl Machine {
         true
     }
 
-    /// Whether there may be what takes many steps at a time, or one by Newton's method.
+    /// Whether there may be what takes many steps at a time.
     pub(crate) fn has_march(&self) -> bool {
         is_here()
     }
 
-    /// What takes many steps at a time, or one by Newton's method.
+    /// What takes many steps at a time.
     pub(crate) fn march(&self, then: Option<usize>, members: usize) -> Option<March> {
         let mut marches = self.marches.lock().unwrap_or_else(PoisonError::into_inner);
         marches.entry((then, members)).or_insert_with(|| self.marching(then, members)).clone()
@@ -167,12 +163,7 @@ impl Machine {
         let steps = places.map(|place| self.program.steps.get(place)).collect::<Option<Vec<_>>>()?;
         let layouts: Vec<Layout> = steps.iter().map(|step| layout(&self.program.interface, step)).collect();
         let stages: Vec<_> = steps.into_iter().zip(&layouts).collect();
-        let have_paths = stages.iter().all(|(step, layout)| march::has_path(step, layout));
-        let (id, code) = compiled(members, |compiler| match stages[..] {
-            _ if have_paths => march::defined(compiler, &stages),
-            [(step, layout)] if members == 1 => march::newton_defined(compiler, step, layout),
-            _ => None,
-        })?;
+        let (id, code) = compiled(members, |compiler| march::defined(compiler, &stages))?;
         // SAFETY: it was compiled with this signature
         let call = unsafe {
             std::mem::transmute::<*const u8, unsafe extern "C" fn(*mut Marching)>(code.address(id))

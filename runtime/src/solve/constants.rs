@@ -38,7 +38,8 @@ pub(super) const FORGETS: f64 = 0.25;
 pub(super) const NEWTON: [f64; 2] = [2.0, 1e8];
 /// The largest rate of contraction of which `c / rate²` is as much as the last of these.
 pub(super) const QUICK: f64 = 0.04;
-/// Changes from here on show the rate of contraction, in units.
+/// Changes from here on show the rate of contraction, in units. Of Newton's method, which leaves a part of the change's square, that part is no less than
+/// one over this.
 pub(super) const SHARP: f64 = 256.0;
 /// Steps between two measurements of the rate: at first, and in the long run.
 pub(super) const INTERVALS: [u16; 2] = [16, 2048];

@@ -1,8 +1,8 @@
 //! Fixed-point iteration on a step's equation, `x ← L⁻¹ right(x)`, or, where the right side is `n(x)/(1 + d(x))`, `x ← L⁻¹ n(x) − d(x) x`: no
 //! iterate waits for a division.
 
-use super::constants::{FAR, ITERATIONS, QUICK, SHARP, STRONG, TOLERANCE};
-use super::memory::{Memory, newton_rate, rate, tolerance};
+use super::constants::{FAR, FEW, ITERATIONS, QUICK, STRONG, TOLERANCE};
+use super::memory::{Convergence, Memory, is_left, rate, tolerance};
 use super::{Solution, SolutionOf, count, go_on};
 use crate::kernel::{AtState, Kernel};
 use crate::scalar::blocks::{change, is_within};
@@ -20,13 +20,17 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
     first: Option<K::Unknown>,
 ) -> SolutionOf<T, K> {
     let AtState { kernel, state, step } = *equation;
-    let (blocks, is_newton) = (kernel.blocks(), kernel.is_newton());
+    let (blocks, convergence) = (kernel.blocks(), Convergence::of(kernel));
     let none = T::Mask::splat(false);
     let (mut point, mut unknown) = (*guess, *guess);
     let (mut solved, mut again) = (none, memory.tries());
     // of changes, one after the other, that are no rounding
     let (mut iterations, mut residual, mut sharp) = (T::all(0), T::of(0.0), [T::of(1.0), memory.rate]);
     let (mut last, mut round) = (T::of(FAR), 0);
+    // where the fast path takes a step of Newton's method in one lane, and not in another, all are taken here: to the same digits
+    let is_as_fast =
+        convergence == Convergence::Quadratic && memory.predictor.remembers() && !memory.is_due();
+    let mut measures = T::Mask::splat(!is_as_fast);
     if let Some(first) = first {
         (unknown, round, iterations) = (first, 1, T::all(1));
         last = change::<T, _>(blocks, guess, &first);
@@ -45,27 +49,38 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
         count::<T>(&mut iterations, again);
         let now = change::<T, _>(blocks, &point, &unknown);
         let [least, _, most] = TOLERANCE.map(|units| T::of(units * T::EPSILON));
-        let is_last = if round == 1 {
-            again & is_within::<T, _>(blocks, &point, &unknown, memory.tolerance)
-        } else {
-            let mut is_sharp = again & T::of(SHARP * T::EPSILON).lt(last);
-            if is_newton {
+        if round > 1 {
+            let mut is_sharp = again & convergence.shows(last);
+            if convergence.is_newton() {
                 // what is below is rounding, and no rate where there is another one
                 is_sharp = is_sharp & (least.lt(now) | T::of(1.0).le(sharp[0]));
             }
             sharp = [T::select(is_sharp, last, sharp[0]), T::select(is_sharp, now, sharp[1])];
-            let most = if is_newton { tolerance(newton_rate(sharp, memory.rate), true) } else { most };
+        }
+        let is_last = if is_as_fast {
+            again & now.le(memory.tolerance) & is_left(convergence, now, last)
+        } else if round == 1 {
+            again & is_within::<T, _>(blocks, &point, &unknown, memory.tolerance)
+        } else {
+            let most = match convergence {
+                Convergence::Linear => most,
+                _ => tolerance(rate(convergence, sharp, memory.rate), convergence),
+            };
             again & (now.le(least) | (now.le(most) & sharp[1].le(T::of(QUICK) * sharp[0])))
         };
         solved = solved | is_last;
         residual = T::select(is_last, now, residual);
         let contracts = now.le(T::of(STRONG) * last);
         again = again & !is_last & contracts & T::Mask::splat(round < ITERATIONS);
+        if round == FEW + 1 {
+            measures = measures | again;
+        }
         if !again.any() {
             break evaluation;
         }
         last = now;
     };
-    let rate = if is_newton { newton_rate(sharp, memory.rate) } else { rate(sharp) };
-    Solution { point, unknown, evaluation, solved, iterations, residual: rate * residual, rate }
+    let rate = T::select(measures, rate(convergence, sharp, memory.rate), memory.rate);
+    let residual = convergence.left(rate, residual);
+    Solution { point, unknown, evaluation, solved, iterations, residual, rate }
 }

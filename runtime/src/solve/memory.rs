@@ -1,9 +1,53 @@
 //! What a step remembers of the ones before it: it saves time, and nothing else.
 
-use super::constants::{FORGETS, HARDLY, INTERVALS, NEWTON, SHARP, STRONG, TOLERANCE};
+use super::constants::{FORGETS, HARDLY, INTERVALS, LEFT, NEWTON, SHARP, SMALL, STRONG, TOLERANCE};
 use super::predictor::Predictor;
 use crate::kernel::Kernel;
 use crate::scalar::{Batch, Components, Mask, Real};
+
+/// How the iterations of a kernel's update converge.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Convergence {
+    /// A change is a part of the one before.
+    Linear,
+    /// It is a small part: simplified Newton steps.
+    Strong,
+    /// It is a part of the square of the one before: Newton's method.
+    Quadratic,
+}
+
+impl Convergence {
+    /// That of a kernel's iterations.
+    #[inline(always)]
+    pub(super) fn of<T: Batch, K: Kernel<T>>(kernel: &K) -> Self {
+        match kernel.is_newton() {
+            true if kernel.has_true_jacobian() => Self::Quadratic,
+            true => Self::Strong,
+            false => Self::Linear,
+        }
+    }
+
+    /// Whether they are Newton's.
+    #[inline(always)]
+    pub(super) fn is_newton(self) -> bool {
+        self != Self::Linear
+    }
+
+    /// What is left after a change.
+    #[inline(always)]
+    pub(super) fn left<T: Batch>(self, rate: T, change: T) -> T {
+        if self == Self::Quadratic { rate * change * change } else { rate * change }
+    }
+
+    /// Whether a change shows the rate.
+    #[inline(always)]
+    pub(super) fn shows<T: Batch>(self, change: T) -> T::Mask {
+        match self {
+            Self::Quadratic => T::of(SMALL * T::EPSILON).lt(change * change),
+            _ => T::of(SHARP * T::EPSILON).lt(change),
+        }
+    }
+}
 
 /// What is remembered of the solutions of earlier steps.
 #[derive(Clone, Copy)]
@@ -103,7 +147,7 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
             return;
         }
         if !rate.is_same(self.rate).all() {
-            (self.rate, self.tolerance) = (rate, tolerance(rate, kernel.is_newton()));
+            (self.rate, self.tolerance) = (rate, tolerance(rate, Convergence::of(kernel)));
         }
         if self.due == 0 {
             self.due = self.interval;
@@ -123,41 +167,52 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
     /// Shows all that is remembered, for [`Method::memory`](crate::method::Method::memory).
     ///
     /// Of the kernel it knows nothing but this: it is compiled once for all that have as many unknowns.
-    pub(super) fn memory(&mut self, is_newton: bool, visit: &mut dyn FnMut(&mut [T])) {
-        self.predictor.memory(visit, is_newton);
+    pub(super) fn memory(&mut self, convergence: Convergence, visit: &mut dyn FnMut(&mut [T])) {
+        self.predictor.memory(visit, convergence.is_newton());
         let mut numbers = [T::of(f64::from(self.due)), T::of(f64::from(self.interval))];
         visit(&mut numbers);
         // the same in all lanes
         let [due, interval] = [numbers[0].lane(0).to_f64() as u16, numbers[1].lane(0).to_f64() as u16];
         (self.due, self.interval) = (due, interval.min(INTERVALS[1]));
         visit(core::slice::from_mut(&mut self.rate));
-        self.tolerance = tolerance(self.rate, is_newton);
+        self.tolerance = tolerance(self.rate, convergence);
         self.settle();
     }
 }
 
-/// The relative change of an iteration that may be the last, where iterations contract by this factor.
+/// The relative change of an iteration that may be the last, where iterations converge at this rate.
 #[inline(always)]
-pub(super) fn tolerance<T: Batch>(rate: T, is_newton: bool) -> T {
-    let [least, most, _] = TOLERANCE;
-    let units = match is_newton {
-        true => clamped(T::of(NEWTON[0]) / rate, [least, NEWTON[1]]),
-        false => clamped(T::of(HARDLY) / (rate * rate), [least, most]),
+pub(super) fn tolerance<T: Batch>(rate: T, convergence: Convergence) -> T {
+    let ([least, most, _], unit) = (TOLERANCE, T::of(T::EPSILON));
+    let change = match convergence {
+        Convergence::Linear => unit * clamped(T::of(HARDLY) / (rate * rate), [least, most]),
+        Convergence::Strong => unit * clamped(T::of(NEWTON[0]) / rate, [least, NEWTON[1]]),
+        Convergence::Quadratic => (T::of(NEWTON[0] * T::EPSILON) / rate).sqrt(),
     };
-    T::select(rate.le(T::of(STRONG)), T::of(T::EPSILON) * units, T::of(-1.0))
+    T::select(rate.le(T::of(STRONG)), change, T::of(-1.0))
 }
 
-/// A rate of contraction from two changes, one after the other.
+/// Whether a change, after another one, leaves no more than rounding, as far as the rate shows.
 #[inline(always)]
-pub(super) fn rate<T: Batch>([last, now]: [T; 2]) -> T {
-    clamped(now / last, [1.0 / SHARP, 1.0])
+pub(super) fn is_left<T: Batch>(convergence: Convergence, now: T, last: T) -> T::Mask {
+    let (square, bound) = (now * now, T::of(LEFT * T::EPSILON) * last);
+    match convergence {
+        Convergence::Quadratic => (square * now).le(bound * last),
+        _ => square.le(bound),
+    }
 }
 
-/// That of simplified Newton steps, where another one was known.
+/// A rate of convergence from two changes, one after the other, where another one was known.
 #[inline(always)]
-pub(super) fn newton_rate<T: Batch>([last, now]: [T; 2], known: T) -> T {
-    let (rate, least) = (now / last, T::of(FORGETS) * known);
-    clamped(T::select(rate.lt(least), least, rate), [NEWTON[0] / NEWTON[1], 1.0])
+pub(super) fn rate<T: Batch>(convergence: Convergence, [last, now]: [T; 2], known: T) -> T {
+    let bounds = match convergence {
+        Convergence::Linear => return clamped(now / last, [1.0 / SHARP, 1.0]),
+        Convergence::Strong => [NEWTON[0] / NEWTON[1], 1.0],
+        Convergence::Quadratic => [1.0 / SHARP, 1.0],
+    };
+    let rate = if convergence == Convergence::Quadratic { now / (last * last) } else { now / last };
+    let least = T::of(FORGETS) * known;
+    clamped(T::select(rate.lt(least), least, rate), bounds)
 }
 
 /// No closure, which would not be compiled for the processor that the caller is compiled for.

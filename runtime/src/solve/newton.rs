@@ -56,12 +56,8 @@ impl<T: Batch, K: Kernel<T>> Work for Newton<'_, T, K> {
             if !open.any() {
                 break evaluation;
             }
-            // in lanes it is long, and where there are fixed-point iterations it is rare
-            let correction = if const { T::LANES > 1 || K::HAS_FIXED_POINT_UPDATE } {
-                equation.correction_apart(&point, &evaluation)
-            } else {
-                equation.correction(&point, &evaluation)
-            };
+            // it is rare
+            let correction = equation.correction_apart(&point, &evaluation);
             (last, moved) = (now, relative::<T, _>(blocks, &correction, &point));
             point = go_on::<T, _>(open, &less(&point, &correction), &point);
             round += 1;

@@ -39,8 +39,14 @@ const PAIRS: [usize; 5] = [1, 2, 3, 5, 7];
 /// Their weights, exact as numbers of any kind.
 const WEIGHTS: [f64; 5] = [231.0 / 32.0, -20.0, 735.0 / 32.0, -637.0 / 32.0, 715.0 / 32.0];
 
+/// Others, which continue polynomials of degree 6 and magnify rounding 6 fold.
+const CALM: [f64; 5] = [49.0 / 16.0, -2.0, -35.0 / 32.0, 35.0 / 32.0, 3.0 / 4.0];
+
 /// The first half of the weights of the polynomial through eight.
 const BINOMIAL: [f64; 4] = [8.0, -28.0, 56.0, -70.0];
+
+/// The weights with which all solutions are continued, in each lane.
+pub(super) type Weights<T> = [T; PAIRS.len()];
 
 /// Where the solutions before point, and the place that the next one will take: in registers while many steps are taken.
 pub(crate) type Guess<U> = (U, u32);
@@ -54,8 +60,10 @@ pub(super) struct Predictor<T: Batch, U> {
     next: U,
     /// The latest solution, for Newton's method.
     solution: U,
-    /// How many of the solutions are of use, in each lane.
+    /// How many of the solutions are of use, in each lane; one more than there are where [`CALM`] weights continue them better.
     count: T,
+    /// The weights that continue all.
+    weights: Weights<T>,
     /// The place of the oldest, which the next one will take.
     oldest: u32,
     /// Whether all are of use in all lanes: kept, for it is asked in each step.
@@ -71,6 +79,7 @@ impl<T: Batch, U: Components<T>> Default for Predictor<T, U> {
             next: nothing,
             solution: nothing,
             count: T::of(0.0),
+            weights: WEIGHTS.map(T::of),
             oldest: 0,
             is_full: false,
         }
@@ -126,16 +135,22 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         self.solution = *solution;
     }
 
+    /// The weights that continue all.
+    #[inline(always)]
+    pub(super) fn weights(&self) -> Weights<T> {
+        self.weights
+    }
+
     /// What the solutions that there are contribute to the one after the next, where [all are of use](Self::is_full).
     #[inline(always)]
-    pub(super) fn begun<P: Processor>(&self, oldest: u32, is_newton: bool) -> U {
-        computed::<P, _, _, _>(&mut Begun(self, oldest, is_newton), &self.next)
+    pub(super) fn begun<P: Processor>(&self, weights: &Weights<T>, oldest: u32, is_newton: bool) -> U {
+        computed::<P, _, _, _>(&mut Begun(self, weights, oldest, is_newton), &self.next)
     }
 
     /// The solution after this one, from what was [begun](Self::begun).
     #[inline(always)]
-    pub(super) fn then(begun: &U, solution: &U, is_newton: bool) -> U {
-        plus(begun, T::of(if is_newton { BINOMIAL[0] } else { WEIGHTS[0] }), solution)
+    pub(super) fn then(begun: &U, weights: &Weights<T>, solution: &U, is_newton: bool) -> U {
+        plus(begun, if is_newton { T::of(BINOMIAL[0]) } else { weights[0] }, solution)
     }
 
     /// Takes the next solution. Returns the place that the one after it will take.
@@ -166,8 +181,8 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     /// All that is remembered, to be gone on from by machine code.
     #[cfg(feature = "dynamic")]
     pub(super) fn remembered(&mut self) -> Remembered<'_, T, U> {
-        let Self { ring, next, solution, oldest, .. } = self;
-        Remembered { ring, next, solution, oldest: *oldest }
+        let Self { ring, next, solution, weights, oldest, .. } = self;
+        Remembered { ring, next, solution, weights, oldest: *oldest }
     }
 
     /// Takes what that has led to.
@@ -188,16 +203,26 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         }
         let next = from_start(&self.next);
         let small = T::of(SMALL * T::EPSILON);
-        if self.is_full && is_within::<T, _>(blocks, &next, solution, small).all() {
-            let begun = self.begun::<Portable>(self.oldest, is_newton);
-            self.push(&kept);
-            self.next = Self::then(&begun, &kept, is_newton);
-            return;
-        }
         let [one, low, full] = [1.0, LOW as f64, WINDOW as f64].map(T::of);
+        let before = self.count;
+        let mut known = before;
+        // one lane, and others beside it, learn the same
+        if self.is_full || const { T::LANES > 1 } {
+            let is_near = is_within::<T, _>(blocks, &next, solution, small);
+            if self.is_full && is_near.all() {
+                if !is_newton && self.oldest as usize % WINDOW == 0 {
+                    self.weigh(blocks, solution);
+                }
+                let begun = self.begun::<Portable>(&self.weights, self.oldest, is_newton);
+                self.push(&kept);
+                self.next = Self::then(&begun, &self.weights, &kept, is_newton);
+                return;
+            }
+            known = T::select(is_near, known, Scalar::min(known, full));
+        }
         let weights = &weights::<T, _>(blocks, solution);
         let off = weighted::<T, _>(weights, &next, solution);
-        let known = T::select(off.le(T::of(LOST)), self.count, T::of(0.0));
+        known = T::select(off.le(T::of(LOST)), known, T::of(0.0));
         self.count = T::select(known.lt(full), known + one, known);
         let is_long = low.lt(known);
         if is_long.any() {
@@ -206,7 +231,18 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
             self.count = T::select(is_jump, low, self.count);
         }
         self.push(&kept);
+        if (full.le(self.count) & !before.is_same(self.count)).any() {
+            self.take_weights();
+        }
         self.predict(is_newton);
+    }
+
+    #[inline(always)]
+    fn take_weights(&mut self) {
+        let is_calm = T::of(WINDOW as f64).lt(self.count);
+        for (k, weight) in self.weights.iter_mut().enumerate() {
+            *weight = T::select(is_calm, T::of(CALM[k]), T::of(WEIGHTS[k]));
+        }
     }
 
     /// Predicts the next solution.
@@ -216,18 +252,41 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         let is_full = T::of(if is_newton { THROUGH } else { WINDOW } as f64).le(self.count);
         self.is_full = is_full.all();
         let mut next = self.next;
-        if is_newton || !self.is_full {
+        if !self.is_full {
             next = self.through(Scalar::min(self.count, most));
         }
-        if !is_newton && is_full.any() {
-            let by_all = plus(
-                &computed::<Portable, _, _, _>(&mut Odd(self), &next),
-                T::of(WEIGHTS[0]),
-                &self.latest(),
-            );
+        // in the order in which the fast path adds
+        if is_full.any() {
+            let by_all = match is_newton {
+                true => {
+                    let begun = self.begun::<Portable>(&self.weights, self.oldest.wrapping_sub(1), true);
+                    Self::then(&begun, &self.weights, &self.latest(), true)
+                }
+                false => self.by_all(&self.weights),
+            };
             next = select(is_full, &by_all, &next);
         }
         self.next = next;
+    }
+
+    /// The next solution from all, with these weights.
+    #[inline(always)]
+    fn by_all(&self, weights: &Weights<T>) -> U {
+        let odd = computed::<Portable, _, _, _>(&mut Odd(self, weights), &self.next);
+        plus(&odd, weights[0], &self.latest())
+    }
+
+    /// Takes the weights that would have led nearer to this solution, in the lanes in which all are of use: where the motion is slow, the others magnify
+    /// rounding to more than an iteration may take off.
+    #[cold]
+    #[inline(never)]
+    fn weigh(&mut self, blocks: &[usize], solution: &U) {
+        let sizes = &weights::<T, _>(blocks, solution);
+        let [usual, calm] = [WEIGHTS, CALM]
+            .map(|weights| weighted::<T, _>(sizes, &self.by_all(&weights.map(T::of)), solution));
+        let [all, more] = [WINDOW, WINDOW + 1].map(|count| T::of(count as f64));
+        self.count = T::select(all.le(self.count), T::select(calm.lt(usual), more, all), self.count);
+        self.take_weights();
     }
 
     /// The next solution from the polynomial through so many of the latest, up to [`THROUGH`].
@@ -263,32 +322,33 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
             j += 1;
         }
         if self.remembers() {
+            self.take_weights();
             self.predict(is_newton);
         }
     }
 }
 
 /// `x₁₆ − w₁ x₁₅ + Σ_{j > 1} w_j (x_j − x_{16 − j})`, piece by piece.
-struct Odd<'a, T: Batch, U>(&'a Predictor<T, U>);
+struct Odd<'a, T: Batch, U>(&'a Predictor<T, U>, &'a Weights<T>);
 
 impl<T: Batch, U: Components<T>> Formula<T> for Odd<'_, T, U> {
     const SPARE: usize = 1;
 
     #[inline(always)]
     fn at<X: Piece<T>>(&mut self, i: usize) -> X {
-        earlier(self.0, self.0.oldest, 0, i)
+        earlier(self.0, self.1, self.0.oldest, 0, i)
     }
 }
 
 /// The same for the solution after the next.
-struct Begun<'a, T: Batch, U>(&'a Predictor<T, U>, u32, bool);
+struct Begun<'a, T: Batch, U>(&'a Predictor<T, U>, &'a Weights<T>, u32, bool);
 
 impl<T: Batch, U: Components<T>> Formula<T> for Begun<'_, T, U> {
     const SPARE: usize = 1;
 
     #[inline(always)]
     fn at<X: Piece<T>>(&mut self, i: usize) -> X {
-        if self.2 { eighth(self.0, self.1, i) } else { earlier(self.0, self.1, 1, i) }
+        if self.3 { eighth(self.0, self.2, i) } else { earlier(self.0, self.1, self.2, 1, i) }
     }
 }
 
@@ -305,6 +365,7 @@ fn eighth<T: Batch, U: Components<T>, X: Piece<T>>(predictor: &Predictor<T, U>, 
 #[inline(always)]
 fn earlier<T: Batch, U: Components<T>, X: Piece<T>>(
     predictor: &Predictor<T, U>,
+    weights: &Weights<T>,
     oldest: u32,
     ahead: usize,
     i: usize,
@@ -320,9 +381,9 @@ fn earlier<T: Batch, U: Components<T>, X: Piece<T>>(
             at!(PAIRS[$pair]).less(at!(WINDOW - PAIRS[$pair]))
         };
     }
-    let inner = difference!(4).times(T::of(WEIGHTS[4])).plus(T::of(WEIGHTS[3]), difference!(3));
-    let outer = difference!(2).times(T::of(WEIGHTS[2])).plus(T::of(WEIGHTS[1]), difference!(1));
-    let last = at!(WINDOW).plus(T::of(-WEIGHTS[0]), at!(WINDOW - PAIRS[0]));
+    let inner = difference!(4).times(weights[4]).plus(weights[3], difference!(3));
+    let outer = difference!(2).times(weights[2]).plus(weights[1], difference!(1));
+    let last = at!(WINDOW).plus(-weights[0], at!(WINDOW - PAIRS[0]));
     last.and(inner.and(outer))
 }
 
@@ -403,7 +464,9 @@ mod tests {
             // and along the fast path
             for step in 40..60 {
                 let x = [polynomial(step)];
-                let then = Predictor::then(&predictor.begun::<Portable>(predictor.oldest, false), &x, false);
+                let weights = predictor.weights();
+                let begun = predictor.begun::<Portable>(&weights, predictor.oldest, false);
+                let then = Predictor::then(&begun, &weights, &x, false);
                 let oldest = predictor.keep::<Portable>(predictor.oldest, &x);
                 predictor.set(&(then, oldest));
                 assert!((then[0] / polynomial(step + 1) - 1.0).abs() < 1e-12, "{degree}, {step}");

@@ -1,11 +1,11 @@
 //! A step that is one equation, from its kernel: the whole story.
 
-use super::constants::{FAR, FEW, LEFT};
-use super::memory::Memory;
+use super::constants::{FAR, FEW};
+use super::memory::{Convergence, Memory, is_left};
 use super::newton::Newton;
-use super::predictor::{Guess, Predictor};
+use super::predictor::{Guess, Predictor, Weights};
 use super::rescue::{Rescue, Rescued};
-use super::{Solution, SolutionOf, fixed_point};
+use super::{Solution, SolutionOf, fixed_point, go_on};
 use crate::error::StepError;
 use crate::kernel::{self, AtState, Kernel, finite, is_inside, is_surely_finite};
 use crate::method::{AdvanceN, Advanced, Clock, Failure, Method, Outcome, StepsReport};
@@ -37,22 +37,18 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
         Self { kernel: kernel::new(parameters, step), memory: Memory::default() }
     }
 
-    const HAS_FAST_PATH: bool = K::HAS_FIXED_POINT_UPDATE || Self::IS_EXPLICIT;
+    const HAS_FAST_PATH: bool = true;
     /// There is one wherever steps are [ready](Method::ready_for).
-    type FastPath = Option<Ahead<K::Unknown>>;
+    type FastPath = Option<Ahead<T, K::Unknown>>;
 
     #[inline(always)]
     fn ready_for(&self) -> u64 {
-        if const { Self::HAS_FAST_PATH } && (Self::IS_EXPLICIT || self.kernel.has_fixed_point_update()) {
-            self.memory.ready_for()
-        } else {
-            0
-        }
+        self.memory.ready_for()
     }
 
     #[inline(always)]
     fn enter(&self) -> Self::FastPath {
-        Some(Ahead { guess: self.memory.predictor.guess(), more: (0, 0) })
+        Some(self.ahead())
     }
 
     #[inline(always)]
@@ -82,7 +78,7 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
         if const { Self::IS_EXPLICIT } {
             (T::all(0), T::of(0.0))
         } else {
-            (T::all(1), self.memory.rate * self.memory.tolerance)
+            (T::all(1), Convergence::of(&self.kernel).left(self.memory.rate, self.memory.tolerance))
         }
     }
 
@@ -122,8 +118,8 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
         let mut first = None;
         // nearly all steps go this way
         if known && self.ready_for() > 0 {
+            let mut ahead = self.ahead();
             let Self { kernel, memory } = self;
-            let mut ahead = Ahead { guess: memory.predictor.guess(), more: (0, 0) };
             let (next, done) = fast_path::<Portable, _, _>(kernel, memory, &mut ahead, state, time, control);
             match done {
                 Ok(()) => {
@@ -141,7 +137,7 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
-        self.memory.memory(self.kernel.is_newton(), visit);
+        self.memory.memory(Convergence::of(&self.kernel), visit);
     }
 }
 
@@ -157,11 +153,7 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
         first: Option<K::Unknown>,
     ) -> Outcome<T, K::State> {
         // in line, so that numbers stay in registers: a step with four iterations takes a third less
-        if known
-            && const { K::HAS_FIXED_POINT_UPDATE && Self::IS_SMALL }
-            && self.kernel.has_fixed_point_update()
-            && self.memory.is_regular()
-        {
+        if known && const { Self::IS_SMALL } && self.memory.is_regular() {
             let Self { kernel, memory } = self;
             let step = &kernel.begin(state, time, control);
             let equation = &AtState { kernel: &*kernel, state, step };
@@ -175,6 +167,13 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
         T::dispatch(SlowPath { method: self, state: &state, time, control: &control, known, first })
     }
 
+    /// What the fast path goes on from.
+    #[inline(always)]
+    fn ahead(&self) -> Ahead<T, K::Unknown> {
+        let predictor = &self.memory.predictor;
+        Ahead { guess: predictor.guess(), weights: predictor.weights(), more: (0, 0) }
+    }
+
     /// What machine code takes steps on the fast path with, on this frame, up to `most`.
     #[cfg(feature = "dynamic")]
     pub(crate) fn lent<'a>(&'a mut self, frame: &'a mut [T::Row], clock: Clock, most: u64) -> Lent<'a>
@@ -184,18 +183,6 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
         let Memory { predictor, tolerance, .. } = &mut self.memory;
         let Clock { start, step, taken } = clock;
         Lent::new(frame, predictor.remembered(), *tolerance, (start, step, taken), most)
-    }
-
-    /// Whether earlier solutions point to the next one.
-    #[cfg(feature = "dynamic")]
-    pub(crate) fn remembers(&self) -> bool {
-        self.memory.predictor.remembers()
-    }
-
-    /// Remembers the solution of a step that machine code has found by Newton's method.
-    #[cfg(feature = "dynamic")]
-    pub(crate) fn solved(&mut self, solution: &K::Unknown) {
-        self.memory.learn(&self.kernel, || *solution, solution, self.memory.rate);
     }
 
     /// Remembers what was taken so: so many steps.
@@ -247,8 +234,9 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
 
 /// Where the solutions before point, and how many iterations more than one steps took, all together and at most.
 #[derive(Clone, Copy)]
-pub struct Ahead<U> {
+pub struct Ahead<T, U> {
     guess: Guess<U>,
+    weights: Weights<T>,
     more: (u64, u32),
 }
 
@@ -261,7 +249,7 @@ pub struct Ahead<U> {
 fn fast_path<P: Processor, T: Batch, K: Kernel<T>>(
     kernel: &K,
     memory: &mut Memory<T, K::Unknown>,
-    ahead: &mut Ahead<K::Unknown>,
+    ahead: &mut Ahead<T, K::Unknown>,
     state: &K::State,
     time: T,
     control: &K::Control,
@@ -286,7 +274,7 @@ fn fast_path<P: Processor, T: Batch, K: Kernel<T>>(
             }
             let now = change::<T, _>(kernel.blocks(), &point, &unknown);
             // as far as the rate is known, and as far as it shows
-            let is_last = now.le(memory.tolerance) & (now * now).le(T::of(LEFT * T::EPSILON) * last);
+            let is_last = now.le(memory.tolerance) & is_left(Convergence::of(kernel), now, last);
             if is_last.all() {
                 break;
             }
@@ -294,13 +282,16 @@ fn fast_path<P: Processor, T: Batch, K: Kernel<T>>(
                 // one step or many: from where it began, for both
                 return (*state, Err(None));
             }
-            (point, last, more) = (unknown, now, more + 1);
+            // in lanes that have ended nothing changes
+            point = go_on::<T, _>(!is_last, &unknown, &point);
+            (last, more) = (T::select(is_last, last, now), more + 1);
             evaluation = kernel.evaluate(state, &step, &point);
         }
         // before what follows from this solution, for the next step waits for it
         kept = start.map_or(unknown, |start| apart::<T, _>(&less(&unknown, &start)));
         then = apart_here::<T, _>(&Predictor::then(
-            &memory.predictor.begun::<P>(oldest, kernel.is_newton()),
+            &memory.predictor.begun::<P>(&ahead.weights, oldest, kernel.is_newton()),
+            &ahead.weights,
             &kept,
             kernel.is_newton(),
         ));
@@ -346,10 +337,7 @@ impl<T: Batch, K: Kernel<T>> Work for SlowPath<'_, T, K> {
         let step = &kernel.begin(state, time, control);
         let equation = &AtState { kernel: &*kernel, state, step };
         let (guess, mut before) = (&guess(equation, memory), None);
-        if const { K::HAS_FIXED_POINT_UPDATE && <K::Unknown as Components<T>>::LENGTH > 0 }
-            && kernel.has_fixed_point_update()
-            && memory.tries().any()
-        {
+        if const { <K::Unknown as Components<T>>::LENGTH > 0 } && memory.tries().any() {
             let solution = fixed_point::solve(equation, memory, guess, first);
             // numbers stay in registers; in lanes there are too few
             if const { T::LANES == 1 }
@@ -398,7 +386,7 @@ impl<T: Batch, K: Kernel<T>> Work for SlowPath<'_, T, K> {
 fn guess<T: Batch, K: Kernel<T>>(equation: &AtState<'_, T, K>, memory: &Memory<T, K::Unknown>) -> K::Unknown {
     match memory.predictor.remembers() {
         true if memory.is_due() && equation.kernel.is_newton() => equation.start(),
-        true if memory.is_due() && equation.kernel.has_fixed_point_update() => memory.predictor.latest(),
+        true if memory.is_due() => memory.predictor.latest(),
         true => predicted(equation, memory),
         false => equation.start(),
     }
@@ -430,8 +418,7 @@ fn by_newton<T: Batch, K: Kernel<T>>(
         (elsewhere, rate) = (elsewhere & !memory.is_strong(), before.rate);
     }
     let newton = Newton { equation, before: before.as_ref(), from: guess, elsewhere, rate };
-    // numbers stay in registers; in lanes it is long
-    if const { T::LANES == 1 && !K::HAS_FIXED_POINT_UPDATE } { newton.done() } else { T::dispatch(newton) }
+    T::dispatch(newton)
 }
 
 /// Solves the lanes that are `wanted` once more, from nothing that is remembered. Returns what is wrong with them.

@@ -40,7 +40,7 @@ struct Craft {
     gravity: f64,
 }
 
-/// A pendulum of two links: its mass matrix depends on the configuration, so that there is no fixed-point iteration.
+/// A pendulum of two links: its mass matrix depends on the configuration, so that all iterations are Newton's.
 #[lie_poisson_system(
     group(first: SO2, second: SO2),
     lagrangian = {

@@ -40,9 +40,14 @@ impl Kernel<'_> {
         self.has_update() && !self.is_compact
     }
 
-    /// Whether there is a fixed-point iteration.
+    /// Whether there is a fixed-point iteration. In few lines Newton's method needs none.
     fn has_update(&self) -> bool {
-        self.size() > 0 && self.step.module.function(StepRole::FixedPointUpdate).is_some()
+        self.size() > 0 && !(self.is_compact && self.is_quadratic())
+    }
+
+    /// Whether that is Newton's method.
+    fn is_quadratic(&self) -> bool {
+        self.step.is_newton && self.step.has_true_jacobian
     }
 
     fn has_controls(&self) -> bool {
@@ -55,12 +60,12 @@ impl Kernel<'_> {
         let mut text = format!("/* ==== {} ==== */\n\n", self.step.scheme.type_name());
         text += &self.records(words);
         for function in &module.functions {
-            if !(self.size() == 0
-                && matches!(
-                    function.role,
-                    StepRole::Start | StepRole::Correction | StepRole::FixedPointUpdate
-                ))
-            {
+            let is_needed = match function.role {
+                StepRole::Start | StepRole::Correction => self.size() > 0,
+                StepRole::FixedPointUpdate => self.size() > 0,
+                _ => true,
+            };
+            if is_needed {
                 text += &self.function(module, function);
             }
         }
@@ -146,14 +151,19 @@ impl Kernel<'_> {
             (false, false) => "1",
         };
         let filled = |name: &str| words.fill(name).trim_end().to_owned();
+        let is_strong = self.step.is_newton && !self.is_quadratic();
+        let shows = match self.is_quadratic() {
+            true => "U_SMALL * U_EPSILON < last * last",
+            false => "U_SHARP * U_EPSILON < last",
+        };
         words
             .clone()
             .prefix("K_", format!("{}_", self.prefix))
             .with("SIZE", self.size().to_string())
             .with("RECIPROCALS", reciprocals.join(", "))
-            .with("LEAST_RATE", spelling.number(if self.step.is_newton { 2.0 / 1e8 } else { 1.0 / 256.0 }))
+            .with("LEAST_RATE", spelling.number(if is_strong { 2.0 / 1e8 } else { 1.0 / 256.0 }))
+            .with("SHOWS", filled(shows))
             .with("FULL", filled(if self.step.is_newton { "U_THROUGH" } else { "U_WINDOW" }))
-            .with("FIRST_WEIGHT", filled(if self.step.is_newton { "U_BINOMIAL_0" } else { "U_WEIGHTS_0" }))
             .with("ITERATION", if self.step.is_newton { "an iteration or a few" } else { "one iteration" })
             .with("TAKEN", if self.step.is_newton { "1 + path->more" } else { "1" })
             .with("COMPACT_STALL", spelling.number(spelling.stall()))
@@ -165,6 +175,8 @@ impl Kernel<'_> {
             .with("SLOW", filled(if self.has_update() { "U_OUT_OF_LINE" } else { "U_FN" }))
             .holds("update", self.has_update())
             .holds("newton", self.step.is_newton)
+            .holds("linear", !self.step.is_newton)
+            .holds("quadratic", self.is_quadratic())
             .holds("true_jacobian", self.step.has_true_jacobian)
             .holds("domain", self.step.module.function(StepRole::Domain).is_some())
             .each("block", blocks.collect())

@@ -43,9 +43,6 @@ pub(super) fn kernel(names: &Names, step: &StepProgram) -> TokenStream {
     let blocks = step.blocks.iter().map(|&length| size(length));
     let functions = module.functions.iter();
     let functions = functions.map(|one| method(&module.values, one, &signature(one), &result(module, one)));
-    let no_update = module.function(StepRole::FixedPointUpdate).is_none().then(|| {
-        quote! { const HAS_FIXED_POINT_UPDATE: ::core::primitive::bool = false; }
-    });
     let has_fewer_terms = (!step.has_true_jacobian).then(|| {
         quote! { const HAS_TRUE_JACOBIAN: ::core::primitive::bool = false; }
     });
@@ -79,7 +76,6 @@ pub(super) fn kernel(names: &Names, step: &StepProgram) -> TokenStream {
                 const BLOCKS: Blocks = &[#(#blocks),*];
                 /// `new`, `begin`, `evaluate` and `finish` once more, as bytes: certificates run them in twice the digits.
                 const PROGRAM: Program = [#(#program),*];
-                #no_update
                 #has_fewer_terms
                 #is_newton
 

@@ -10,7 +10,6 @@ macro_rules! field {
 
 mod carried;
 mod measure;
-mod newton;
 mod predictor;
 
 use std::mem::offset_of;
@@ -25,22 +24,11 @@ use self::carried::{Carried, Exit, awaited};
 use super::Compiler;
 use super::emit::{Arrays, Emitter};
 
-/// Whether there is a fast path.
-pub(super) fn has_path(step: &StepProgram, layout: &Layout) -> bool {
-    layout.unknown.is_empty() || step.module.function(StepRole::FixedPointUpdate).is_some()
-}
-
-/// The function of these stages, each of which has a fast path.
+/// The function of these stages.
 pub(super) fn defined(compiler: &mut Compiler, stages: &[(&StepProgram, &Layout)]) -> Option<FuncId> {
     compiler.define(0, |emitter| March { e: emitter, stages: Vec::new(), before: None }.all(stages))
 }
 
-/// The function of a step by Newton's method, from where the solutions before point: `Newton` in `runtime/src/solve/newton.rs`, as long as nothing
-/// stalls.
-pub(super) fn newton_defined(compiler: &mut Compiler, step: &StepProgram, layout: &Layout) -> Option<FuncId> {
-    compiler
-        .define(0, |emitter| March { e: emitter, stages: Vec::new(), before: None }.by_newton(step, layout))
-}
 /// The solver's numbers of this name.
 fn numbers<const N: usize>(name: &str) -> [f64; N] {
     let mut numbers = [f64::NAN; N];
@@ -69,6 +57,8 @@ struct Stage<'a> {
     /// Where it puts where the solutions point.
     next: ir::Value,
     tolerance: ir::Value,
+    /// The address of the weights that continue the solutions.
+    weights: ir::Value,
     /// What functions are given.
     given: Given,
 }
@@ -117,13 +107,25 @@ impl<'a> March<'a, '_, '_> {
             let offset = (place * size_of::<Marching>()) as i64;
             let marching = self.e.builder.ins().iadd_imm_s(first, offset);
             let (frame, given) = (first, Given::default());
-            let [constant, ring, next, tolerance] = [frame; 4];
-            self.stages.push(Stage { step, layout, marching, frame, constant, ring, next, tolerance, given });
-            let [frame, ring, next] =
-                [field!(frame), field!(ring), field!(next)].map(|at| self.get(place, pointer, at));
+            let [constant, ring, next, tolerance, weights] = [frame; 5];
+            self.stages.push(Stage {
+                step,
+                layout,
+                marching,
+                frame,
+                constant,
+                ring,
+                next,
+                tolerance,
+                weights,
+                given,
+            });
+            let [frame, ring, next, weights] = [field!(frame), field!(ring), field!(next), field!(weights)]
+                .map(|at| self.get(place, pointer, at));
             let tolerance = self.get(place, self.e.ty(), field!(tolerance));
             let stage = &mut self.stages[place];
-            (stage.frame, stage.ring, stage.next, stage.tolerance) = (frame, ring, next, tolerance);
+            (stage.frame, stage.ring, stage.next) = (frame, ring, next);
+            (stage.tolerance, stage.weights) = (tolerance, weights);
         }
     }
 
@@ -363,26 +365,29 @@ impl<'a> March<'a, '_, '_> {
         self.stages[stage].given.unknown = point;
         let (point, unknown) = self.iteration(stage);
         let now = self.change(stage, &point, &unknown);
-        let (square, bound) = {
-            let left = self.e.number(numbers::<1>("LEFT")[0] * f64::EPSILON);
-            (self.e.builder.ins().fmul(now, now), self.e.builder.ins().fmul(left, last))
-        };
+        let left = self.e.number(numbers::<1>("LEFT")[0] * f64::EPSILON);
+        let (mut square, mut bound) =
+            (self.e.builder.ins().fmul(now, now), self.e.builder.ins().fmul(left, last));
+        if self.stages[stage].step.has_true_jacobian {
+            (square, bound) =
+                (self.e.builder.ins().fmul(square, now), self.e.builder.ins().fmul(bound, last));
+        }
         let is_small = self.e.builder.ins().fcmp(FloatCC::LessThanOrEqual, now, tolerance);
         let contracts = self.e.builder.ins().fcmp(FloatCC::LessThanOrEqual, square, bound);
         let is_last = self.e.builder.ins().band(is_small, contracts);
         let are_last = self.e.all(is_last);
         self.e.builder.ins().brif(are_last, on, &[], not_yet, &[]);
         self.e.builder.switch_to_block(not_yet);
-        let mut are_enough =
-            self.e.builder.ins().icmp_imm_s(IntCC::Equal, more, numbers::<1>("FEW")[0] as i64);
-        if self.e.wide {
-            // one member needs another iteration, and the other one does not
-            let is_none = self.e.lanes(is_last, 0);
-            let is_one = self.e.builder.ins().bxor_imm_u(is_none, 1);
-            are_enough = self.e.builder.ins().bor(are_enough, is_one);
-        }
+        let are_enough = self.e.builder.ins().icmp_imm_s(IntCC::Equal, more, numbers::<1>("FEW")[0] as i64);
         let one_more = self.e.builder.ins().iadd_imm_s(more, 1);
-        let next: Vec<BlockArg> = [one_more, now].iter().chain(&unknown).map(|x| (*x).into()).collect();
+        let mut next = [vec![now], unknown.clone()].concat();
+        if self.e.wide {
+            // of a member that has ended nothing changes
+            for (next, before) in next.iter_mut().zip(std::iter::once(&last).chain(&point)) {
+                *next = self.e.select(is_last, *before, *next);
+            }
+        }
+        let next: Vec<BlockArg> = std::iter::once(&one_more).chain(&next).map(|x| (*x).into()).collect();
         self.e.builder.ins().brif(are_enough, halt, &[], again, &next);
         self.e.builder.switch_to_block(halt);
         self.halt(stage, carried, exit, |_| ());
@@ -402,8 +407,14 @@ impl<'a> March<'a, '_, '_> {
     /// An iteration: where it starts, and where it leads to.
     fn iteration(&mut self, stage: usize) -> (Vec<ir::Value>, Vec<ir::Value>) {
         self.evaluate(stage);
-        let point = self.stages[stage].given.unknown.clone();
-        (point, self.function(stage, StepRole::FixedPointUpdate).concat())
+        let Stage { step, given, .. } = &self.stages[stage];
+        let (point, is_newton) = (given.unknown.clone(), step.is_newton && step.has_true_jacobian);
+        if !is_newton {
+            return (point, self.function(stage, StepRole::FixedPointUpdate).concat());
+        }
+        let correction = self.function(stage, StepRole::Correction).concat();
+        let next = self.each(&point, &correction, |e, point, by| e.builder.ins().fsub(point, by));
+        (point, next)
     }
 
     /// The equation at an unknown.

@@ -62,7 +62,10 @@ impl March<'_, '_, '_> {
             false => PAIRS.iter().flat_map(|j| [*j, WINDOW - j]).skip(1).chain([WINDOW]).collect(),
         };
         let rows: Vec<_> = used.into_iter().map(|j| (j, self.row(stage, oldest, j - 1))).collect();
-        let [latest] = numbers(if is_newton { "BINOMIAL" } else { "WEIGHTS" });
+        let latest = match is_newton {
+            true => self.e.number(numbers::<4>("BINOMIAL")[0]),
+            false => self.weight(stage, self.e.ty(), 0),
+        };
         let mut then = Vec::new();
         for (i, ty) in self.pieces(stage) {
             // none of them is the one that this step writes over
@@ -71,16 +74,22 @@ impl March<'_, '_, '_> {
                 (*j, self.e.builder.ins().load(ty, Emitter::lasting(), *row, offset))
             };
             let at: Vec<_> = rows.iter().map(at).collect();
-            let begun = if is_newton { self.eighth(ty, &at) } else { self.earlier(ty, &at) };
+            let begun = if is_newton { self.eighth(ty, &at) } else { self.earlier(stage, ty, &at) };
             let lanes = if ty == self.e.ty() { 1 } else { 2 };
             for lane in 0..lanes {
                 let begun = if lanes == 2 { self.e.builder.ins().extractlane(begun, lane) } else { begun };
-                let weight = self.e.number(latest);
-                let product = self.e.builder.ins().fmul(weight, kept[i + usize::from(lane)]);
+                let product = self.e.builder.ins().fmul(latest, kept[i + usize::from(lane)]);
                 then.push(self.e.builder.ins().fadd(begun, product));
             }
         }
         then
+    }
+
+    /// One of the weights that continue the solutions, of this stage.
+    fn weight(&mut self, stage: usize, ty: ir::Type, k: usize) -> ir::Value {
+        let (address, one, offset) = (self.stages[stage].weights, self.e.ty(), self.e.offset(k));
+        let weight = self.e.builder.ins().load(one, Emitter::lasting(), address, offset);
+        if ty == one { weight } else { self.e.builder.ins().splat(ty, weight) }
     }
 
     fn constant(&mut self, ty: ir::Type, x: f64) -> ir::Value {
@@ -115,22 +124,22 @@ impl March<'_, '_, '_> {
     }
 
     /// `earlier` of the solver's predictor.
-    fn earlier(&mut self, ty: ir::Type, at: &[(usize, ir::Value)]) -> ir::Value {
-        let [w0, w1, w2, w3, w4] = numbers("WEIGHTS");
+    fn earlier(&mut self, stage: usize, ty: ir::Type, at: &[(usize, ir::Value)]) -> ir::Value {
+        let [w0, w1, w2, w3, w4] = std::array::from_fn(|k| self.weight(stage, ty, k));
         let difference = |e: &mut Emitter<'_, '_>, pair: usize| {
             let j = PAIRS[pair];
             let [a, b] = [j, WINDOW - j].map(|j| found(at, j));
             e.builder.ins().fsub(a, b)
         };
         let fourth = difference(self.e, 4);
-        let inner = self.times(ty, w4, fourth);
+        let inner = self.e.builder.ins().fmul(w4, fourth);
         let third = difference(self.e, 3);
-        let inner = self.plus(ty, inner, w3, third);
+        let inner = self.e.mul_add(false, w3, third, inner);
         let second = difference(self.e, 2);
-        let outer = self.times(ty, w2, second);
+        let outer = self.e.builder.ins().fmul(w2, second);
         let first = difference(self.e, 1);
-        let outer = self.plus(ty, outer, w1, first);
-        let last = self.plus(ty, found(at, WINDOW), -w0, found(at, WINDOW - PAIRS[0]));
+        let outer = self.e.mul_add(false, w1, first, outer);
+        let last = self.e.mul_add(true, w0, found(at, WINDOW - PAIRS[0]), found(at, WINDOW));
         let both = self.e.builder.ins().fadd(inner, outer);
         self.e.builder.ins().fadd(last, both)
     }

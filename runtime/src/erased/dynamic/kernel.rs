@@ -6,6 +6,7 @@ use std::vec::Vec;
 use super::step::{Called, Step, StepFunction};
 use crate::bytecode::{self, Function, Given};
 use crate::kernel::{Blocks, Evaluation, Kernel};
+use crate::scalar::blocks::less;
 use crate::scalar::bounded::Bounded;
 use crate::scalar::simd::frame::{Handle, Two};
 use crate::scalar::simd::march;
@@ -132,10 +133,6 @@ impl<T: Called, const U: usize> Kernel<T> for DynamicKernel<T, U> {
         &self.step().blocks
     }
     #[inline(always)]
-    fn has_fixed_point_update(&self) -> bool {
-        self.step().has_fixed_point_update
-    }
-    #[inline(always)]
     fn has_true_jacobian(&self) -> bool {
         self.step().has_true_jacobian
     }
@@ -195,6 +192,9 @@ impl<T: Called, const U: usize> Kernel<T> for DynamicKernel<T, U> {
         unknown: &[T; U],
         evaluation: &Evaluation<[T; U], Iterate<T, U>>,
     ) -> [T; U] {
+        if self.is_newton() && self.has_true_jacobian() {
+            return less(unknown, &self.correction(&[], &[], unknown, evaluation));
+        }
         self.returned(StepFunction::FixedPointUpdate, unknown, evaluation)
     }
 

@@ -58,7 +58,7 @@ impl<T: Called, const U: usize> DynamicMethod<T, U> {
 
     /// Takes steps by machine code, if there is any, from the state in the frame on, to which the last step has led.
     fn march(&mut self, clock: Clock, most: u64) -> Option<Marched> {
-        if !self.step.has_fast_path() || !T::has_march(&*self.step.functions) {
+        if !T::has_march(&*self.step.functions) {
             return None;
         }
         let method = self.joined.user();
@@ -71,28 +71,6 @@ impl<T: Called, const U: usize> DynamicMethod<T, U> {
             method.kernel().0.with(|frame| march.take([method.lent(&mut frame.rows, clock, most)]));
         method.marched(&marched, marched.steps);
         Some(marched)
-    }
-
-    /// Takes a step by Newton's method in machine code, where that is all there is, from where earlier solutions point. The state is in the frame then.
-    fn newton(&mut self, time: T) -> Option<Advanced<T, ()>> {
-        let Self { step, march, joined } = self;
-        if step.has_fast_path() || !T::has_march(&*step.functions) || !joined.user().remembers() {
-            return None;
-        }
-        let march = march.get_or_insert_with(|| T::march(&*step.functions, None)).as_ref()?;
-        let method = joined.user();
-        let [marched] =
-            method.kernel().0.with(|frame| march.take([method.lent(&mut frame.rows, Clock::at(time), 1)]));
-        if marched.steps == 0 {
-            return None;
-        }
-        let solution = joined.frame().array(step.layout.out.clone());
-        joined.user().solved(&solution);
-        Some(Advanced {
-            state: (),
-            iterations: T::all(marched.more.0 as u32),
-            residual: T::of(marched.tolerance),
-        })
     }
 
     /// Takes a step from what is in the frame on, of which machine code may have made a first iteration.
@@ -136,10 +114,6 @@ impl<T: Called, const U: usize> Method<T> for DynamicMethod<T, U> {
                 return Ok(Advanced { state: (), iterations, residual });
             }
             has_first = marched.has_first;
-        } else if known && let Some(advanced) = self.newton(time) {
-            let now = self.joined.frame().read(self.step.layout.next.clone());
-            next.iter_mut().zip(now).for_each(|(to, number)| *to = number);
-            return Ok(advanced);
         }
         self.rest(has_first, time, known, next)
     }
@@ -164,13 +138,7 @@ impl<T: Called, const U: usize> Method<T> for DynamicMethod<T, U> {
                 break;
             }
             let time = T::of(clock.after(report.steps));
-            let advanced = match self.newton(time) {
-                Some(advanced) => advanced,
-                None => match self.rest(has_first, time, true, &mut []) {
-                    Ok(advanced) => advanced,
-                    Err(_) => break,
-                },
-            };
+            let Ok(advanced) = self.rest(has_first, time, true, &mut []) else { break };
             let layout = &self.step.layout;
             self.joined.frame().rows.copy_within(layout.next.clone(), layout.state.start);
             report.steps += 1;

@@ -21,7 +21,7 @@ pub(super) fn pair<T: Called>(
     step: T,
 ) -> Option<Box<dyn Method<T>>> {
     let steps = [first, second];
-    if !steps.iter().all(|step| T::has_march(&*step.functions) && step.has_fast_path()) {
+    if !steps.iter().all(|step| T::has_march(&*step.functions)) {
         return None;
     }
     if !have_the_same_room(first.layout.unknown.len(), second.layout.unknown.len()) {

@@ -39,8 +39,7 @@ pub trait StepFunctions: Send + Sync + 'static {
     fn call_wide(&self, function: StepFunction, frame: &mut [[f64; LANES]]);
     /// Calls a function on two frames, in the same way.
     fn call_two(&self, function: StepFunction, frame: &mut [[f64; 2]]);
-    /// Whether there may be machine code that takes many steps at a time, as long as they are as most are; where there is no fixed-point iteration, a
-    /// step by Newton's method.
+    /// Whether there may be machine code that takes many steps at a time, as long as they are as most are.
     fn has_march(&self) -> bool {
         false
     }
@@ -169,8 +168,6 @@ pub struct Step {
     pub layout: Layout,
     /// The lengths of the blocks of unknowns.
     pub blocks: Vec<usize>,
-    /// Whether there is a fixed-point iteration.
-    pub has_fixed_point_update: bool,
     /// Whether the retraction's domain has an edge.
     pub has_domain: bool,
     /// Whether Newton's matrix is the Jacobian of the residual.
@@ -187,13 +184,6 @@ pub struct Step {
     pub functions: Box<dyn StepFunctions>,
     /// Its derivative, if the description asks for one.
     pub derivative: Option<Box<dyn StepDerivative>>,
-}
-
-impl Step {
-    /// Whether nearly all steps go one way.
-    pub(super) fn has_fast_path(&self) -> bool {
-        self.has_fixed_point_update || self.layout.unknown.is_empty()
-    }
 }
 
 impl core::fmt::Debug for Step {

@@ -428,7 +428,7 @@ impl EnsembleSystem for DynamicSystem {
     ) -> Result<Members, EnsembleError> {
         let all = |holds: fn(&Step) -> bool| self.definition.steps.iter().all(|step| holds(step));
         let are_small = all(|step| step.layout.unknown.len() <= MOST_IN_LANES);
-        if are_small && all(|step| step.has_fast_path() && step.functions.has_march()) {
+        if are_small && all(|step| step.functions.has_march()) {
             self.side_by_side::<Two>(scheme, members, step)
         } else if are_small && has_lanes() {
             self.side_by_side::<Wide>(scheme, members, step)

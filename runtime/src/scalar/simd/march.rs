@@ -26,7 +26,9 @@ pub struct Marching {
     pub next: *mut f64,
     /// The latest solution, of Newton's method.
     pub solution: *mut f64,
-    /// The relative change of an iteration that may be the last, of each member; after a step by Newton's method the residual that it leaves.
+    /// The five weights that continue the solutions, of each member.
+    pub weights: *const f64,
+    /// The relative change of an iteration that may be the last, of each member.
     pub tolerance: [f64; 2],
     /// Steps start at `start + taken · step`.
     pub start: f64,
@@ -42,7 +44,7 @@ pub struct Marching {
     pub steps: u64,
     /// The stage of the next step that is left to the solver, of the first stage alone.
     pub halted: u64,
-    /// Iterations more than one a step, all together; all of a step by Newton's method.
+    /// Iterations more than one a step, all together.
     pub more: u64,
     /// The same in one step at most.
     pub most_more: u64,
@@ -72,6 +74,7 @@ pub(crate) struct Remembered<'a, T, U> {
     pub(crate) ring: &'a mut [Row<T, U, 1>; WINDOW],
     pub(crate) next: &'a mut U,
     pub(crate) solution: &'a mut U,
+    pub(crate) weights: &'a [T; 5],
     pub(crate) oldest: u32,
 }
 
@@ -95,8 +98,6 @@ pub(crate) struct Marched {
     pub(crate) more: (u64, u32),
     /// Whether an iteration of the stage that is left was made, which led to where results go.
     pub(crate) has_first: bool,
-    /// What was given, or the residual that is left of a step by Newton's method.
-    pub(crate) tolerance: f64,
 }
 
 impl<'a> Lent<'a> {
@@ -108,12 +109,13 @@ impl<'a> Lent<'a> {
         (start, step, taken): (f64, f64, u64),
         most: u64,
     ) -> Self {
-        let Remembered { ring, next, solution, oldest } = remembered;
+        let Remembered { ring, next, solution, weights, oldest } = remembered;
         let row = size_of::<Row<T, U, 1>>() / size_of::<f64>();
         let marching = Marching {
             ring: ring.as_mut_ptr().cast(),
             next: next.as_mut().as_mut_ptr().cast(),
             solution: solution.as_mut().as_mut_ptr().cast(),
+            weights: weights.as_ptr().cast(),
             tolerance: [0, T::LANES - 1].map(|lane| tolerance.lane(lane)),
             start,
             step,
@@ -140,8 +142,8 @@ impl March {
     /// Code for steps of so many stages, each with how many numbers its frame has at least, and its rows, with room for its unknowns.
     ///
     /// # Safety
-    /// The code is there as long as the owner is. Of each stage it reads and writes what it is given, and no more: a frame, a ring of 16 rows, and two
-    /// unknowns.
+    /// The code is there as long as the owner is. Of each stage it reads and writes what it is given, and no more: a frame, a ring of 16 rows, two
+    /// unknowns, and five weights.
     pub unsafe fn new(
         code: unsafe extern "C" fn(*mut Marching),
         lengths: Vec<[usize; 2]>,
@@ -167,7 +169,6 @@ impl March {
             oldest: marching.oldest as u32,
             more: (marching.more, marching.most_more as u32),
             has_first: marching.has_first != 0,
-            tolerance: marching.tolerance[0],
         })
     }
 }

@@ -1,6 +1,6 @@
 //! A system on a group of matrices, with one retraction and sensors as controls: inertial navigation.
 
-use crate::case::{Case, long};
+use crate::case::{Case, long, one_by_one};
 use coadjoint::prelude::*;
 
 #[lie_poisson_system(
@@ -36,7 +36,20 @@ pub(crate) fn cases() -> Vec<Case> {
     let state = NavigationState { element, momentum };
     let control =
         NavigationControl { gyroscope: vector![0.0, 0.0, 0.1], accelerometer: vector![0.0, 2.0, 9.81] };
-    let stepper = navigation.stepper::<Cayley>(0.01).expect("a system that can be stepped");
+    let stepper = || navigation.stepper::<Cayley>(0.01).expect("a system that can be stepped");
     // no longer: its state grows
-    vec![long("navigation, Cayley", stepper, &state, &control, 8_000)]
+    let mut cases = vec![long("navigation, Cayley", stepper(), &state, &control, 8_000)];
+    for (jumps, size) in [("0", 0.0), ("0.1", 0.1)] {
+        // from −1 to 1, and never twice in a row
+        let scattered = move |step: u64, shift: f64| 2.0 * ((step as f64 * 0.618_034 + shift) % 1.0) - 1.0;
+        let constant = control.clone();
+        let jumping = move |step: u64| NavigationControl {
+            gyroscope: constant.gyroscope + vector![0.0, 0.414, 0.828].map(|shift| size * scattered(step, shift)),
+            accelerometer: constant.accelerometer
+                + vector![0.2, 0.614, 0.028].map(|shift| size * scattered(step, shift)),
+        };
+        let name = format!("navigation, Cayley, jumps of {jumps}");
+        cases.push(one_by_one(&name, stepper(), &state, jumping, 8_000));
+    }
+    cases
 }

@@ -42,12 +42,16 @@ U_FN REAL K_change(const REAL *from, const REAL *to)
 /* The relative change of an iteration that may be the last, where iterations contract by this factor. */
 U_FN REAL K_tolerance(REAL rate)
 {
+//if quadratic
+    return rate <= U_STRONG ? SQRT(U_NEWTON_0 * U_EPSILON / rate) : -ONE;
+//else
 //if newton
     const REAL units = S_clamped(U_NEWTON_0 / rate, U_TOLERANCE_0, U_NEWTON_1);
 //else
     const REAL units = S_clamped(U_HARDLY / (rate * rate), U_TOLERANCE_0, U_TOLERANCE_1);
 //end
     return rate <= U_STRONG ? U_EPSILON * units : -ONE;
+//end
 }
 
 //end

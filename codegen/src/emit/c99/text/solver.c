@@ -74,8 +74,16 @@ U_HOT void K_eighth(const K_memory *m, unsigned oldest, REAL *sum)
 }
 
 //else
+/* The weights that continue all solutions: usual ones, or those for slow motion. */
+U_HOT const REAL *K_weights(int is_calm)
+{
+    U_TABLE REAL weights[2][5] = { { U_WEIGHTS_0, U_WEIGHTS_1, U_WEIGHTS_2, U_WEIGHTS_3, U_WEIGHTS_4 },
+                                   { U_CALM_0, U_CALM_1, U_CALM_2, U_CALM_3, U_CALM_4 } };
+    return weights[is_calm];
+}
+
 /* x[16] - w[1] x[15] + the sum of w[j] (x[j] - x[16-j]), where the x[j] are as many places newer as it is ahead. */
-U_HOT void K_earlier(const K_memory *m, unsigned oldest, int ahead, REAL *sum)
+U_HOT void K_earlier(const K_memory *m, unsigned oldest, int ahead, const REAL *w, REAL *sum)
 {
     const REAL *x2 = K_row(m, oldest, 2 - ahead), *x14 = K_row(m, oldest, 14 - ahead);
     const REAL *x3 = K_row(m, oldest, 3 - ahead), *x13 = K_row(m, oldest, 13 - ahead);
@@ -85,9 +93,9 @@ U_HOT void K_earlier(const K_memory *m, unsigned oldest, int ahead, REAL *sum)
     REAL inner, outer, last;
     int i;
     for (i = 0; i < SIZE; i++) {
-        inner = U_WEIGHTS_4 * (x7[i] - x9[i]) + U_WEIGHTS_3 * (x5[i] - x11[i]);
-        outer = U_WEIGHTS_2 * (x3[i] - x13[i]) + U_WEIGHTS_1 * (x2[i] - x14[i]);
-        last = x16[i] + -U_WEIGHTS_0 * x15[i];
+        inner = w[4] * (x7[i] - x9[i]) + w[3] * (x5[i] - x11[i]);
+        outer = w[2] * (x3[i] - x13[i]) + w[1] * (x2[i] - x14[i]);
+        last = x16[i] + -w[0] * x15[i];
         sum[i] = last + (inner + outer);
     }
 }
@@ -110,23 +118,37 @@ U_FN void K_polynomial(const K_memory *m, int points, REAL *sum)
     }
 }
 
+//if linear
+/* The next solution from all, with these weights. */
+U_FN void K_by_all(const K_memory *m, const REAL *w, REAL *next)
+{
+    const REAL *latest = K_row(m, m->oldest, 1);
+    int i;
+    K_earlier(m, m->oldest, 0, w, next);
+    for (i = 0; i < SIZE; i++)
+        next[i] = next[i] + w[0] * latest[i];
+}
+
+//end
 /* Predicts the next solution. */
 U_FN void K_predict(K_memory *m)
 {
-//if newton
-    K_polynomial(m, m->count < U_THROUGH ? m->count : U_THROUGH, m->next);
-//else
-    const REAL *latest = K_row(m, m->oldest, 1);
-    REAL sum[SIZE];
-    int i;
-    if (m->count < U_WINDOW) {
-        K_polynomial(m, m->count < U_THROUGH ? m->count : U_THROUGH, m->next);
+//if linear
+    if (m->count >= U_WINDOW) {
+        K_by_all(m, K_weights(m->count > U_WINDOW), m->next);
         return;
     }
-    K_earlier(m, m->oldest, 0, sum);
-    for (i = 0; i < SIZE; i++)
-        m->next[i] = sum[i] + U_WEIGHTS_0 * latest[i];
+//else
+    const REAL *latest = K_row(m, m->oldest, 1);
+    int i;
+    if (m->count >= U_THROUGH) {
+        K_eighth(m, m->oldest - 1u, m->next);
+        for (i = 0; i < SIZE; i++)
+            m->next[i] = m->next[i] + U_BINOMIAL_0 * latest[i];
+        return;
+    }
 //end
+    K_polynomial(m, m->count < U_THROUGH ? m->count : U_THROUGH, m->next);
 }
 
 U_FN REAL K_weighted(const REAL *weights, const REAL *from, const REAL *to)
@@ -138,10 +160,38 @@ U_FN REAL K_weighted(const REAL *weights, const REAL *from, const REAL *to)
     return size;
 }
 
+/* One over the size of its block for each component. */
+U_FN void K_one_over_sizes(const REAL *solution, REAL *weights)
+{
+    REAL size;
+    int i;
+//each block
+    size = U_FLOOR;
+    for (i = BEGIN; i < END; i++)
+        size += FABS(solution[i]);
+    for (i = BEGIN; i < END; i++)
+        weights[i] = ONE / size;
+//end
+}
+
+//if linear
+/* Takes the weights that would have led nearer to this solution: where the motion is slow, the usual ones magnify rounding to more than an
+ * iteration may take off. */
+U_FN void K_weigh(K_memory *m, const REAL *solution)
+{
+    REAL sizes[SIZE], next[SIZE], usual;
+    K_one_over_sizes(solution, sizes);
+    K_by_all(m, K_weights(0), next);
+    usual = K_weighted(sizes, next, solution);
+    K_by_all(m, K_weights(1), next);
+    m->count = K_weighted(sizes, next, solution) < usual ? U_WINDOW + 1 : U_WINDOW;
+}
+
+//end
 /* Takes one more solution. Where a few of the earlier ones predict it better than all, the others are forgotten. */
 U_FN void K_learn_solution(const K_equation *q, K_memory *m, const REAL *solution)
 {
-    REAL weights[SIZE], by_few[SIZE], begun[SIZE], size, off;
+    REAL weights[SIZE], by_few[SIZE], begun[SIZE], off;
     int i, known;
 //if newton
     /* what is kept is what they are apart from the equations' first approximations */
@@ -159,22 +209,23 @@ U_FN void K_learn_solution(const K_equation *q, K_memory *m, const REAL *solutio
 //if newton
         K_eighth(m, m->oldest, begun);
 //else
-        K_earlier(m, m->oldest, 1, begun);
+        if (m->oldest % (unsigned)U_WINDOW == 0)
+            K_weigh(m, solution);
+        K_earlier(m, m->oldest, 1, K_weights(m->count > U_WINDOW), begun);
 //end
         K_copy(m->ring[m->oldest++ % (unsigned)U_WINDOW], kept);
         for (i = 0; i < SIZE; i++)
-            m->next[i] = begun[i] + FIRST_WEIGHT * kept[i];
+//if newton
+            m->next[i] = begun[i] + U_BINOMIAL_0 * kept[i];
+//else
+            m->next[i] = begun[i] + K_weights(m->count > U_WINDOW)[0] * kept[i];
+//end
         return;
     }
-//each block
-    size = U_FLOOR;
-    for (i = BEGIN; i < END; i++)
-        size += FABS(solution[i]);
-    for (i = BEGIN; i < END; i++)
-        weights[i] = ONE / size;
-//end
+    K_one_over_sizes(solution, weights);
     off = K_weighted(weights, next, solution);
-    known = off <= U_LOST ? m->count : 0;
+    known = m->count < U_WINDOW ? m->count : U_WINDOW;
+    known = off <= U_LOST ? known : 0;
     m->count = known < U_WINDOW ? known + 1 : known;
     if (known > U_LOW) {
         K_polynomial(m, U_LOW, by_few);
@@ -263,11 +314,25 @@ U_FN void K_guess(const K_equation *q, const K_memory *m, REAL *guess)
 //if update
 /* ---- Fixed-point iterations, as long as they contract strongly. ---- */
 
+/* What is left after a change. */
+U_HOT REAL K_left(REAL rate, REAL change)
+{
+//if quadratic
+    return rate * change * change;
+//else
+    return rate * change;
+//end
+}
+
 //if newton
-/* A rate of contraction from two changes, one after the other, where another one was known. */
+/* A rate of convergence from two changes, one after the other, where another one was known. */
 U_FN REAL K_rate(REAL last, REAL now, REAL known)
 {
+//if quadratic
+    const REAL rate = now / (last * last), least = U_FORGETS * known;
+//else
     const REAL rate = now / last, least = U_FORGETS * known;
+//end
     return S_clamped(rate < least ? least : rate, LEAST_RATE, ONE);
 }
 //else
@@ -278,12 +343,30 @@ U_FN REAL K_rate(REAL last, REAL now)
 }
 //end
 
+/* The next iterate. */
+U_HOT void K_next(const K_equation *q, const REAL *point, const K_evaluation *e, REAL *next)
+{
+//if quadratic
+    int i;
+    K_correction(q, point, e, next);
+    for (i = 0; i < SIZE; i++)
+        next[i] = point[i] - next[i];
+//else
+    K_fixed_point_update(q, point, e, next);
+//end
+}
+
 /* From a guess; `first` is where the first iteration led to, if it was made. */
 U_FN void K_iterate(const K_equation *q, const K_memory *m, const REAL *guess, const REAL *first, K_solution *s)
 {
     REAL sharp_last = ONE, sharp_now = m->rate, last = U_FAR, now, most;
     REAL next[SIZE];
     int round = 0, again = 1, is_last;
+//if quadratic
+    /* as on the fast path, with its rate */
+    const int is_as_fast = m->count > 0 && m->due > 0;
+    int measures = !is_as_fast;
+//end
     K_copy(s->unknown, guess);
     s->solved = 0;
     s->iterations = 0;
@@ -300,17 +383,26 @@ U_FN void K_iterate(const K_equation *q, const K_memory *m, const REAL *guess, c
     for (;;) {
         K_copy(s->point, s->unknown);
         K_evaluate(q, s->point, &s->evaluation);
-        K_fixed_point_update(q, s->point, &s->evaluation, next);
+        K_next(q, s->point, &s->evaluation, next);
         K_copy(s->unknown, next);
         round++;
         s->iterations += again;
         now = K_change(s->point, s->unknown);
+//if quadratic
+        if (is_as_fast) {
+            is_last = again && now <= m->tolerance && now * now * now <= (U_LEFT * U_EPSILON) * last * last;
+            if (round > 1 && again && SHOWS && (U_TOLERANCE_0 * U_EPSILON < now || ONE <= sharp_last)) {
+                sharp_last = last;
+                sharp_now = now;
+            }
+        } else
+//end
         if (round == 1) {
             is_last = again && K_is_within(s->point, s->unknown, m->tolerance);
         } else {
 //if newton
             /* what is below is rounding, and no rate where there is another one */
-            if (again && U_SHARP * U_EPSILON < last && (U_TOLERANCE_0 * U_EPSILON < now || ONE <= sharp_last)) {
+            if (again && SHOWS && (U_TOLERANCE_0 * U_EPSILON < now || ONE <= sharp_last)) {
 //else
             if (again && U_SHARP * U_EPSILON < last) {
 //end
@@ -328,16 +420,24 @@ U_FN void K_iterate(const K_equation *q, const K_memory *m, const REAL *guess, c
         if (is_last)
             s->residual = now;
         again = again && !is_last && now <= U_STRONG * last && round < U_ITERATIONS;
+//if quadratic
+        if (round == U_FEW + 1)
+            measures = measures || again;
+//end
         if (!again)
             break;
         last = now;
     }
+//if quadratic
+    s->rate = measures ? K_rate(sharp_last, sharp_now, m->rate) : m->rate;
+//else
 //if newton
     s->rate = K_rate(sharp_last, sharp_now, m->rate);
 //else
     s->rate = K_rate(sharp_last, sharp_now);
 //end
-    s->residual = s->rate * s->residual;
+//end
+    s->residual = K_left(s->rate, s->residual);
 }
 
 //end
@@ -685,11 +785,16 @@ U_HOT int K_fast(const K_constants *k, K_memory *m, K_path *path, const S_state 
     K_from_start(start, path->next, point);
     for (;;) {
         K_evaluate(&q, point, &e);
-        K_fixed_point_update(&q, point, &e, unknown);
+        K_next(&q, point, &e, unknown);
         now = K_change(point, unknown);
         /* as far as the rate is known, and as far as it shows */
+//if quadratic
+        if (now <= m->tolerance && now * now * now <= (U_LEFT * U_EPSILON) * last * last)
+            break;
+//else
         if (now <= m->tolerance && now * now <= (U_LEFT * U_EPSILON) * last)
             break;
+//end
         if (more == U_FEW)
             return 2;
         K_copy(point, unknown);
@@ -702,7 +807,7 @@ U_HOT int K_fast(const K_constants *k, K_memory *m, K_path *path, const S_state 
     for (i = 0; i < SIZE; i++)
         then[i] = then[i] + U_BINOMIAL_0 * kept[i];
 //else
-    const REAL *const kept = unknown;
+    const REAL *const kept = unknown, *const weights = K_weights(m->count > U_WINDOW);
     q.constants = k;
     q.state = x;
     K_begin(&q TIMED_CALL CONTROL_CALL);
@@ -711,9 +816,9 @@ U_HOT int K_fast(const K_constants *k, K_memory *m, K_path *path, const S_state 
     if (!K_is_within(path->next, unknown, m->tolerance))
         return 1;
     /* before what follows from this solution, for the next step waits for it */
-    K_earlier(m, path->oldest, 1, then);
+    K_earlier(m, path->oldest, 1, weights, then);
     for (i = 0; i < SIZE; i++)
-        then[i] = then[i] + U_WEIGHTS_0 * unknown[i];
+        then[i] = then[i] + weights[0] * unknown[i];
 //end
     K_finish(&q, unknown, &e, next);
 //if domain
@@ -750,7 +855,7 @@ U_HOT void K_leave(K_memory *m, const K_path *path, int steps)
     m->is_ready = m->is_ready && m->due > 0;
     if (steps > 0) {
         m->iterations = TAKEN;
-        m->residual = m->rate * m->tolerance;
+        m->residual = K_left(m->rate, m->tolerance);
     }
 }
 
