@@ -9,8 +9,8 @@
 //! 4. damped corrections and continuation from [`StepRole::Start`](super::StepRole::Start), from nothing that is remembered;
 //! 5. acceptance: the next state, all margins of [`StepRole::Domain`](super::StepRole::Domain) positive, and everything finite.
 //!
-//! Simplified Newton steps, of Hamilton–Jacobi steps, have a predictor of their own, the differences from the explicit start, and a few of them
-//! stand on the fast path.
+//! Newton steps, of Lagrangians, whose update is `x` less the correction, and simplified ones, of Hamilton–Jacobi steps, have a predictor of their own,
+//! the differences from the explicit start, and a few of them stand on the fast path.
 //!
 //! A test holds the numbers against the library's.
 
