@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// Motion: Euler's equations `Π̇ = Π × 𝓘⁻¹Π`, and `Ṙ = R (𝓘⁻¹Π)^`.
 ///
 /// Invariants: the energy `H`, the Casimir `|Π|²`, and the angular momentum in space, `RΠ`.
-#[lie_poisson_system(group = SO3, methods(Midpoint), units(momentum = "kg m²/s"))]
+#[lie_poisson_system(group = SO3, units(momentum = "kg m²/s"))]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FullRigidBody {
     /// Tensor of inertia about the centre of mass, kg m².

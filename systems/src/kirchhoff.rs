@@ -21,7 +21,6 @@ use serde::{Deserialize, Serialize};
     hamiltonian = 0.5 * momentum.dot(&momentum.component_div(&inertia))
         + momentum.dot(&impulse.component_mul(&screw))
         + 0.5 * impulse.dot(&impulse.component_div(&mass)),
-    methods(Midpoint),
     units(momentum = "kg m²/s", impulse = "kg m/s"),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -18,7 +18,6 @@ use serde::{Deserialize, Serialize};
     group = SO3,
     advected(gamma: R3, field: R3),
     potential = weight * gamma.dot(&chi) - field.dot(&dipole),
-    methods(Midpoint),
     units(momentum = "kg m²/s", field = "T"),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -23,7 +23,6 @@ use serde::{Deserialize, Serialize};
 /// `x + R c` moves uniformly.
 #[lie_poisson_system(
     group = SE3,
-    methods(Midpoint),
     units(
         pose = "1, 1, 1, 1, m, m, m",
         momentum = "kg m²/s, kg m²/s, kg m²/s, kg m/s, kg m/s, kg m/s",

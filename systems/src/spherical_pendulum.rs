@@ -21,7 +21,6 @@ use serde::{Deserialize, Serialize};
     group = SO3,
     advected(gamma: R3),
     potential = weight * length * gamma.z,
-    methods(Midpoint),
     units(momentum = "kg m²/s"),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

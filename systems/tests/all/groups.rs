@@ -1,6 +1,6 @@
 //! What is known from elsewhere of the systems on other groups than the rotations, on the right side, and of two bodies.
 
-use coadjoint::Discretized;
+use coadjoint::SchemeType;
 use coadjoint::prelude::*;
 use coadjoint_app::Example;
 use coadjoint_systems::ellipsoidal_fluid::{EllipsoidalFluid, EllipsoidalFluidState};
@@ -16,10 +16,7 @@ use crate::physics::{after, drift, motion};
 
 #[test]
 fn two_bodies_keep_their_momenta_and_their_centre_moves_uniformly() {
-    fn check<M>()
-    where
-        TwoBodies: Discretized<M>,
-    {
+    fn check<M: SchemeType>() {
         let (bodies, start) = TwoBodies::example();
         let drifting = vector![1e-4, -2e-4, 5e-5];
         let start = TwoBodiesState {
@@ -122,10 +119,7 @@ fn a_plate_tied_at_its_centre_bounces_as_a_mass_and_turns_as_it_will() {
 
 #[test]
 fn a_fluid_keeps_its_circulation_where_its_particles_are() {
-    fn check<M>()
-    where
-        EllipsoidalFluid: Discretized<M>,
-    {
+    fn check<M: SchemeType>() {
         let (fluid, start) = EllipsoidalFluid::example();
         let states = motion::<_, M>(&fluid, &start, 0.02, 6_000);
         let size = start.momentum.norm();

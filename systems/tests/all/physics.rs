@@ -1,8 +1,9 @@
 //! What is known of each system from elsewhere: periods, conserved quantities, motions that can be written down.
 
 use coadjoint::prelude::*;
-use coadjoint::{Discretized, Record, Run, System};
+use coadjoint::{Control, Record, Run, SchemeType, State, System, erased};
 use coadjoint_app::Example;
+use coadjoint_systems::catalogue::CATALOGUE;
 use coadjoint_systems::coupled_bodies::CoupledBodies;
 use coadjoint_systems::driven_pendulum::{DrivenPendulum, DrivenPendulumState};
 use coadjoint_systems::free_rigid_body::{FreeRigidBody, FreeRigidBodyState};
@@ -19,25 +20,43 @@ use coadjoint_systems::rigid_body_in_space::{RigidBodyInSpace, RigidBodyInSpaceS
 use coadjoint_systems::spherical_pendulum::SphericalPendulum;
 
 /// The states of so many steps with the scheme `M` under the system's own control law, the initial one included.
-pub(crate) fn motion<S: Example + Discretized<M>, M>(
+pub(crate) fn motion<S: Example, M: SchemeType>(
     system: &S,
     start: &S::State,
     step: f64,
     steps: u64,
 ) -> Vec<S::State> {
-    let mut state = start.clone();
+    controlled::<S, M>(system, start, step, steps, |state, time| system.control(state, time))
+}
+
+/// The states of so many steps under a control law. Steps are taken with types erased: such are compiled with the catalogue, not once more here.
+pub(crate) fn controlled<S: Example, M: SchemeType>(
+    system: &S,
+    start: &S::State,
+    step: f64,
+    steps: u64,
+    law: impl Fn(&S::State, f64) -> S::Control,
+) -> Vec<S::State> {
+    let typed = |state: &[f64]| {
+        let mut components = start.to_components();
+        components.as_mut().copy_from_slice(state);
+        S::State::from_components(&components)
+    };
+    let entry = CATALOGUE.entries().iter().find(|entry| entry.description.name == S::NAME);
+    let erased = entry.expect("in the catalogue").system(system.to_parameters().as_ref());
+    let mut stepper = erased::Stepper::new(erased, &M::scheme(), step).expect("valid");
+    let mut state = start.to_components().as_ref().to_vec();
     let mut record = Record::every(1);
-    let mut stepper = system.stepper::<M>(step).expect("valid");
     Run::new(&mut stepper, &mut state)
-        .controlled_by(|state, time| system.control(state, time))
+        .controlled_by(|state, time| law(&typed(state), time).to_components().as_ref().to_vec())
         .observe(&mut record)
         .steps(steps)
         .expect("solvable");
-    record.states().to_vec()
+    record.states().iter().map(|state| typed(state)).collect()
 }
 
 /// The state after a time, in so many steps.
-pub(crate) fn after<S: Example + Discretized<M>, M>(
+pub(crate) fn after<S: Example, M: SchemeType>(
     system: &S,
     start: &S::State,
     time: f64,
@@ -72,10 +91,7 @@ fn the_midpoint_keeps_an_oscillators_energy() {
 
 #[test]
 fn a_satellite_keeps_its_angular_momentum() {
-    fn check<M>()
-    where
-        Kepler: Discretized<M>,
-    {
+    fn check<M: SchemeType>() {
         let (kepler, start) = Kepler::example();
         let size = Kepler::angular_momentum(&start).norm();
         let states = motion::<_, M>(&kepler, &start, 30.0, 5_000);
@@ -238,10 +254,7 @@ fn without_a_magnetic_field_a_magnetic_top_is_a_heavy_top() {
 
 #[test]
 fn hover_stays_put() {
-    fn check<M>()
-    where
-        Quadrotor: Discretized<M>,
-    {
+    fn check<M: SchemeType>() {
         let (quadrotor, start) = Quadrotor::hovering();
         let states = motion::<_, M>(&quadrotor, &start, 0.01, 2_000);
         let end = &states[2_000];
@@ -264,11 +277,11 @@ fn without_thrust_a_quadrotor_falls_and_thrust_lifts_it() {
     for (thrust, acceleration) in [(0.0, -9.81), (2.0, 9.81)] {
         let control =
             QuadrotorControl { thrust: thrust * quadrotor.mass * quadrotor.gravity, ..Default::default() };
-        let mut state = Quadrotor::at_rest(50.0);
-        state.attitude_momentum = vector![0.0, 0.0, 0.1];
-        state.position_momentum = vector![quadrotor.mass, 0.0, 0.0];
-        let mut stepper = quadrotor.stepper::<Exponential>(0.01).expect("valid");
-        Run::new(&mut stepper, &mut state).controlled_by(|_, _| control).steps(200).expect("solvable");
+        let mut start = Quadrotor::at_rest(50.0);
+        start.attitude_momentum = vector![0.0, 0.0, 0.1];
+        start.position_momentum = vector![quadrotor.mass, 0.0, 0.0];
+        let states = controlled::<_, Exponential>(&quadrotor, &start, 0.01, 200, |_, _| control);
+        let state = &states[200];
         // parabolas are exact
         let expected = vector![2.0, 0.0, 50.0 + 0.5 * acceleration * 4.0];
         assert!((state.position - expected).norm() < 1e-11, "{state:?}");
@@ -326,10 +339,7 @@ fn a_rotor_keeps_its_momentum_and_steadies_a_body() {
 
 #[test]
 fn coupled_bodies_keep_their_momentum_together() {
-    fn check<M>()
-    where
-        CoupledBodies: Discretized<M>,
-    {
+    fn check<M: SchemeType>() {
         let (bodies, start) = CoupledBodies::example();
         let states = motion::<_, M>(&bodies, &start, 0.02, 3_000);
         let drift = drift(&states, |state| CoupledBodies::total_momentum(state).into());

@@ -5,11 +5,12 @@ use std::f64::consts::{PI, TAU};
 use coadjoint::certify::certify_erased;
 use coadjoint::nalgebra::{DVector, Matrix4, SMatrix, Vector6};
 use coadjoint::prelude::*;
-use coadjoint::{Discretized, Run, System};
+use coadjoint::{SchemeType, System};
 use coadjoint_app::Example;
 use coadjoint_app::setup::{Method, Order, Retraction};
 use coadjoint_app::simulate::{scheme, states_in_motion};
 use coadjoint_systems::affine_body::{AffineBody, AffineBodyState};
+use coadjoint_systems::catalogue::CATALOGUE;
 use coadjoint_systems::four_dimensional_body::{FourDimensionalBody, FourDimensionalBodyState};
 use coadjoint_systems::navigation::{Navigation, NavigationControl, NavigationState};
 use coadjoint_systems::satellite_with_wheels::{
@@ -17,7 +18,7 @@ use coadjoint_systems::satellite_with_wheels::{
 };
 use coadjoint_systems::spin_chain::{SpinChain, SpinChainState};
 
-use crate::physics::{after, drift, motion};
+use crate::physics::{after, controlled, drift, motion};
 
 /// What is compared: numbers of the textbook's own.
 type Numbers = DVector<f64>;
@@ -35,7 +36,7 @@ struct Beside<'a, S: System> {
     time: f64,
 }
 
-impl<S: System<Scalar = f64>> Beside<'_, S> {
+impl<S: Example> Beside<'_, S> {
     /// By RK4 and Richardson's extrapolation.
     fn exact(&self, steps: u32) -> Numbers {
         let integrated = |steps: u32| {
@@ -52,24 +53,16 @@ impl<S: System<Scalar = f64>> Beside<'_, S> {
         &fine + (&fine - coarse) / 15.0
     }
 
-    fn error<M>(&self, exact: &Numbers, steps: u64) -> f64
-    where
-        S: Discretized<M>,
-    {
-        let mut state = self.start.clone();
-        let mut stepper = self.system.stepper::<M>(self.time / steps as f64).expect("valid");
-        let control = self.control.clone();
-        Run::new(&mut stepper, &mut state)
-            .controlled_by(|_, _| control.clone())
-            .steps(steps)
-            .expect("solvable");
-        ((self.read)(self.system, &state) - exact).norm()
+    fn error<M: SchemeType>(&self, exact: &Numbers, steps: u64) -> f64 {
+        let step = self.time / steps as f64;
+        let states = controlled::<S, M>(self.system, self.start, step, steps, |_, _| self.control.clone());
+        ((self.read)(self.system, &states[steps as usize]) - exact).norm()
     }
 
     /// The orders of the standard scheme and of a composition of order 6, from so many steps.
-    fn orders<R>(&self, exact: &Numbers, [second, sixth]: [u64; 2])
+    fn orders<R: SchemeType>(&self, exact: &Numbers, [second, sixth]: [u64; 2])
     where
-        S: Discretized<R> + Discretized<Order6<R>>,
+        Order6<R>: SchemeType,
     {
         let order = |coarse: f64, fine: f64| (coarse / fine).log2();
         let standard = order(self.error::<R>(exact, second), self.error::<R>(exact, 2 * second));
@@ -83,11 +76,17 @@ impl<S: System<Scalar = f64>> Beside<'_, S> {
 /// What the program certifies are steps of order 2; here are those of order 6 that are composed of them.
 #[test]
 fn compositions_of_order_six_keep_what_they_claim() {
-    fn holds<S: Example>(retraction: Retraction) {
-        let entry = S::entry();
+    for (name, retraction) in [
+        ("four_dimensional_body", Retraction::Cayley),
+        ("affine_body", Retraction::Cayley),
+        ("navigation", Retraction::Cayley),
+        ("satellite_with_wheels", Retraction::Exponential),
+        ("spin_chain", Retraction::Cayley),
+    ] {
+        let entry = CATALOGUE.find(name).expect("it is there");
         let scheme = scheme(Method::Standard, retraction, Order::Six).expect("symmetric");
         let setup = &entry.example;
-        let (states, _) = states_in_motion(&entry, setup).expect("solvable");
+        let (states, _) = states_in_motion(entry, setup).expect("solvable");
         let law = entry.law(setup);
         let control = |state: &Vec<f64>| {
             let mut control = vec![0.0; setup.controls.len()];
@@ -102,11 +101,6 @@ fn compositions_of_order_six_keep_what_they_claim() {
         assert!(report.passed(), "{report}");
         assert!(report.certificates.len() >= 10, "{report}");
     }
-    holds::<FourDimensionalBody>(Retraction::Cayley);
-    holds::<AffineBody>(Retraction::Cayley);
-    holds::<Navigation>(Retraction::Cayley);
-    holds::<SatelliteWithWheels>(Retraction::Exponential);
-    holds::<SpinChain>(Retraction::Cayley);
 }
 
 /// `x^`: the matrix of the cross product.
@@ -359,16 +353,15 @@ fn dead_reckoning_follows_a_flight_whose_readings_change() {
     };
     let error = |steps: u32| {
         let h = 30.0 / f64::from(steps);
-        let mut state = true_state(0.0);
-        let mut stepper = navigation.stepper::<Cayley>(h).expect("valid");
-        for k in 0..steps {
-            let (_, rate) = angle(h * (f64::from(k) + 0.5));
-            let readings = NavigationControl {
+        let readings = |_: &NavigationState, time: f64| {
+            let (_, rate) = angle(time + 0.5 * h);
+            NavigationControl {
                 gyroscope: vector![0.0, 0.0, rate],
                 accelerometer: vector![0.4, 100.0 * rate * rate, 9.81],
-            };
-            stepper.step_with(&mut state, &readings).expect("solvable");
-        }
+            }
+        };
+        let states = controlled::<_, Cayley>(&navigation, &true_state(0.0), h, steps.into(), readings);
+        let state = &states[steps as usize];
         (state.element - true_state(30.0).element).norm()
     };
     let (coarse, fine) = (error(300), error(600));

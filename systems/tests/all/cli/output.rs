@@ -36,7 +36,7 @@ fn csv_and_json_hold_the_same_numbers_to_the_last_digit() {
 #[test]
 fn a_run_is_drawn_where_that_is_asked_for() {
     let scratch = Scratch::new("plot");
-    for system in ["kepler", "quadrotor", "rigid_body_in_space"] {
+    for system in ["kepler", "quadrotor", "heavy_top_on_se3"] {
         let printed = scratch
             .prints(&["run", system, "--every", "1000", "--plot", "--out", system, "--method", "midpoint"]);
         let stem = format!("{system}-midpoint-exponential");
