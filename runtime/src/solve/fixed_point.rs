@@ -23,18 +23,18 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
     let (blocks, convergence) = (kernel.blocks(), Convergence::of(kernel));
     let none = T::Mask::splat(false);
     let (mut point, mut unknown) = (*guess, *guess);
-    let (mut solved, mut again) = (none, memory.tries());
+    let (mut solved, mut quick, mut again) = (none, none, memory.tries());
     // of changes, one after the other, that are no rounding
     let (mut iterations, mut residual, mut sharp) = (T::all(0), T::of(0.0), [T::of(1.0), memory.rate]);
     let (mut last, mut round) = (T::of(FAR), 0);
-    // where the fast path takes a step of Newton's method in one lane, and not in another, all are taken here: to the same digits
-    let is_as_fast =
-        convergence == Convergence::Quadratic && memory.predictor.remembers() && !memory.is_due();
-    let mut measures = T::Mask::splat(!is_as_fast);
+    let is_as_fast = memory.is_as_fast(convergence);
+    let few = if convergence.is_newton() { FEW + 1 } else { 1 };
+    let mut measures = !is_as_fast;
     if let Some(first) = first {
         (unknown, round, iterations) = (first, 1, T::all(1));
         last = change::<T, _>(blocks, guess, &first);
         solved = is_within::<T, _>(blocks, guess, &first, memory.tolerance);
+        quick = solved;
         residual = memory.tolerance;
         again = again & !solved;
     }
@@ -57,22 +57,30 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
             }
             sharp = [T::select(is_sharp, last, sharp[0]), T::select(is_sharp, now, sharp[1])];
         }
-        let is_last = if is_as_fast {
-            again & now.le(memory.tolerance) & is_left(convergence, now, last)
-        } else if round == 1 {
-            again & is_within::<T, _>(blocks, &point, &unknown, memory.tolerance)
-        } else {
-            let most = match convergence {
-                Convergence::Linear => most,
-                _ => tolerance(rate(convergence, sharp, memory.rate), convergence),
+        let mut is_last = none;
+        if is_as_fast.any() {
+            is_last = again & is_as_fast & now.le(memory.tolerance) & is_left(convergence, now, last);
+        }
+        if !is_as_fast.all() {
+            let is_small = if round == 1 {
+                is_within::<T, _>(blocks, &point, &unknown, memory.tolerance)
+            } else {
+                let most = match convergence {
+                    Convergence::Linear => most,
+                    _ => tolerance(rate(convergence, sharp, memory.rate), convergence),
+                };
+                now.le(least) | (now.le(most) & sharp[1].le(T::of(QUICK) * sharp[0]))
             };
-            again & (now.le(least) | (now.le(most) & sharp[1].le(T::of(QUICK) * sharp[0])))
-        };
+            is_last = is_last | (again & !is_as_fast & is_small);
+        }
         solved = solved | is_last;
+        if round <= few {
+            quick = quick | is_last;
+        }
         residual = T::select(is_last, now, residual);
-        let contracts = now.le(T::of(STRONG) * last);
-        again = again & !is_last & contracts & T::Mask::splat(round < ITERATIONS);
-        if round == FEW + 1 {
+        let goes_on = now.le(T::of(STRONG) * last) | (is_as_fast & T::Mask::splat(round < few));
+        again = again & !is_last & goes_on & T::Mask::splat(round < ITERATIONS);
+        if round == few {
             measures = measures | again;
         }
         if !again.any() {
@@ -82,5 +90,5 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
     };
     let rate = T::select(measures, rate(convergence, sharp, memory.rate), memory.rate);
     let residual = convergence.left(rate, residual);
-    Solution { point, unknown, evaluation, solved, iterations, residual, rate }
+    Solution { point, unknown, evaluation, solved, quick, iterations, residual, rate }
 }

@@ -119,6 +119,17 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
         self.due == 0
     }
 
+    /// The lanes in which iterations end where they do on the fast path, and show no other rate: where that takes a step of Newton's method in one lane and
+    /// not in another, both are taken beside it, to the same digits.
+    #[inline(always)]
+    pub(super) fn is_as_fast(&self, convergence: Convergence) -> T::Mask {
+        match convergence {
+            Convergence::Strong if !self.is_due() => self.predictor.are_all(true),
+            Convergence::Quadratic => T::Mask::splat(!self.is_due() && self.predictor.remembers()),
+            _ => T::Mask::splat(false),
+        }
+    }
+
     /// Whether a few iterations, or corrections, are likely to be enough for the next step.
     #[inline(always)]
     pub(super) fn is_regular(&self) -> bool {
@@ -134,13 +145,15 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
         self.is_ready = U::LENGTH == 0;
     }
 
-    /// Remembers a step that needed more than one iteration: its solution, and the rate of contraction as it was seen.
+    /// Remembers a step that was not taken on the fast path: its solution, and the rate of contraction as it was seen. Lanes that are solved as `quick`
+    /// as there learn no more than there.
     #[inline(always)]
     pub(super) fn learn<K: Kernel<T, Unknown = U>>(
         &mut self,
         kernel: &K,
         start: impl FnOnce() -> U,
         solution: &U,
+        quick: T::Mask,
         rate: T,
     ) {
         if const { U::LENGTH == 0 } {
@@ -149,6 +162,7 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
         if !rate.is_same(self.rate).all() {
             (self.rate, self.tolerance) = (rate, tolerance(rate, Convergence::of(kernel)));
         }
+        let quick = quick & T::Mask::splat(self.due > 0);
         if self.due == 0 {
             self.due = self.interval;
             self.interval = (4 * self.interval).min(INTERVALS[1]);
@@ -156,7 +170,7 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
             self.due -= 1;
         }
         let start = kernel.is_newton().then(start);
-        self.predictor.learn(kernel.blocks(), start.as_ref(), solution);
+        self.predictor.learn(kernel.blocks(), start.as_ref(), solution, quick);
         self.settle();
     }
 

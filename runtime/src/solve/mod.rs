@@ -38,6 +38,8 @@ struct Solution<T: Batch, U, I> {
     evaluation: Evaluation<U, I>,
     /// The lanes that are solved.
     solved: T::Mask,
+    /// Those of them that are solved as on the fast path: alone they leave it only where it is not there.
+    quick: T::Mask,
     iterations: T::Each<u32>,
     /// What is left, relative to the equation's terms.
     residual: T,
@@ -57,7 +59,8 @@ impl<T: Batch, U: Copy, I: Copy> Solution<T, U, I> {
         rate: T,
     ) -> Self {
         let (point, unknown, evaluation) = (*unknown, *unknown, equation.evaluate(unknown));
-        Self { point, unknown, evaluation, solved, iterations: T::all(0), residual: T::of(0.0), rate }
+        let (quick, iterations, residual) = (T::Mask::splat(false), T::all(0), T::of(0.0));
+        Self { point, unknown, evaluation, solved, quick, iterations, residual, rate }
     }
 }
 

@@ -68,7 +68,8 @@ impl<T: Batch, K: Kernel<T>> Work for Newton<'_, T, K> {
             solved = solved & !(doubtful & !is_found_from_start(equation, &point));
         }
         let unknown = before.map_or(point, |before| select(first_solved, &before.unknown, &point));
-        Solution { point, unknown, evaluation, solved, iterations, residual, rate }
+        let quick = before.map_or(T::Mask::splat(false), |before| before.quick);
+        Solution { point, unknown, evaluation, solved, quick, iterations, residual, rate }
     }
 }
 

@@ -94,6 +94,12 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         T::of(0.0).lt(self.count).all()
     }
 
+    /// The lanes in which all are of use.
+    #[inline(always)]
+    pub(super) fn are_all(&self, is_newton: bool) -> T::Mask {
+        T::of(if is_newton { THROUGH } else { WINDOW } as f64).le(self.count)
+    }
+
     /// Whether all are of use, in all lanes.
     #[inline(always)]
     pub(super) fn is_full(&self) -> bool {
@@ -193,9 +199,10 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     }
 
     /// Takes one more solution, whatever there is. Where a few of the earlier solutions predict it better than all, as where a control has jumped,
-    /// the others are forgotten.
+    /// the others are forgotten. What one lane learns, others beside it make no difference to: where all were of use and the step was as `quick` as on
+    /// the fast path, it would have been taken there.
     #[inline(always)]
-    pub(super) fn learn(&mut self, blocks: &[usize], start: Option<&U>, solution: &U) {
+    pub(super) fn learn(&mut self, blocks: &[usize], start: Option<&U>, solution: &U, quick: T::Mask) {
         let is_newton = start.is_some();
         let from_start = |apart: &U| start.map_or(*apart, |start| plus(start, T::of(1.0), apart));
         let kept = start.map_or(*solution, |start| less(solution, start));
@@ -205,25 +212,26 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         let next = from_start(&self.next);
         let small = T::of(SMALL * T::EPSILON);
         let [one, low, full] = [1.0, LOW as f64, WINDOW as f64].map(T::of);
-        let before = self.count;
-        let mut known = before;
-        // one lane, and others beside it, learn the same
+        let mut is_near = T::Mask::splat(false);
         if self.is_full || const { T::LANES > 1 } {
-            let is_near = is_within::<T, _>(blocks, &next, solution, small);
-            if self.is_full && is_near.all() {
-                if !is_newton && self.oldest as usize % WINDOW == 0 {
-                    self.weigh(blocks, solution);
-                }
+            let is_full = self.are_all(is_newton);
+            let is_quick = is_full & quick;
+            is_near = is_full & !is_quick & is_within::<T, _>(blocks, &next, solution, small);
+            if !is_newton && self.oldest as usize % WINDOW == 0 && is_near.any() {
+                self.weigh(blocks, solution, is_near);
+            }
+            is_near = is_near | is_quick;
+            if is_near.all() {
                 let begun = self.begun::<Portable>(&self.weights, self.oldest, is_newton);
                 self.push(&kept);
                 self.next = Self::then(&begun, &self.weights, &kept, is_newton);
                 return;
             }
-            known = T::select(is_near, known, Scalar::min(known, full));
         }
         let weights = &weights::<T, _>(blocks, solution);
         let off = weighted::<T, _>(weights, &next, solution);
-        known = T::select(off.le(T::of(LOST)), known, T::of(0.0));
+        let before = self.count;
+        let known = T::select(off.le(T::of(LOST)), Scalar::min(before, full), T::of(0.0));
         self.count = T::select(known.lt(full), known + one, known);
         let is_long = low.lt(known);
         if is_long.any() {
@@ -231,6 +239,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
             let is_jump = is_long & small.lt(off) & weighted::<T, _>(weights, &by_few, solution).lt(off);
             self.count = T::select(is_jump, low, self.count);
         }
+        self.count = T::select(is_near, before, self.count);
         self.push(&kept);
         if (full.le(self.count) & !before.is_same(self.count)).any() {
             self.take_weights();
@@ -250,7 +259,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     #[inline(always)]
     fn predict(&mut self, is_newton: bool) {
         let most = T::of(THROUGH as f64);
-        let is_full = T::of(if is_newton { THROUGH } else { WINDOW } as f64).le(self.count);
+        let is_full = self.are_all(is_newton);
         self.is_full = is_full.all();
         let mut next = self.next;
         if !self.is_full {
@@ -277,16 +286,16 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         plus(&odd, weights[0], &self.latest())
     }
 
-    /// Takes the weights that would have led nearer to this solution, in the lanes in which all are of use: where the motion is slow, the others magnify
+    /// Takes the weights that would have led nearer to this solution in these lanes, in which all are of use: where the motion is slow, the others magnify
     /// rounding to more than an iteration may take off.
     #[cold]
     #[inline(never)]
-    fn weigh(&mut self, blocks: &[usize], solution: &U) {
+    fn weigh(&mut self, blocks: &[usize], solution: &U, lanes: T::Mask) {
         let sizes = &weights::<T, _>(blocks, solution);
         let [usual, calm] = [WEIGHTS, CALM]
             .map(|weights| weighted::<T, _>(sizes, &self.by_all(&weights.map(T::of)), solution));
         let [all, more] = [WINDOW, WINDOW + 1].map(|count| T::of(count as f64));
-        self.count = T::select(all.le(self.count), T::select(calm.lt(usual), more, all), self.count);
+        self.count = T::select(lanes, T::select(calm.lt(usual), more, all), self.count);
         self.take_weights();
     }
 
@@ -445,7 +454,7 @@ mod tests {
 
     fn after(predictor: &mut Predictor<f64, [f64; 1]>, solutions: impl IntoIterator<Item = f64>) {
         for x in solutions {
-            predictor.learn(&[1], None, &[x]);
+            predictor.learn(&[1], None, &[x], false);
             assert_eq!(predictor.latest(), [x], "{predictor:?}");
         }
     }

@@ -363,7 +363,8 @@ impl<T: Batch, K: Kernel<T>> Work for SlowPath<'_, T, K> {
                 continue;
             }
             if good.any() {
-                T::dispatch(Learn { equation, memory, solution: &solution.unknown, rate: solution.rate });
+                let Solution { unknown, quick, rate, .. } = &solution;
+                T::dispatch(Learn { equation, memory, solution: unknown, quick: *quick, rate: *rate });
             } else {
                 memory.forget();
             }
@@ -451,6 +452,7 @@ fn rescue<T: Batch, K: Kernel<T>>(
     }
     solution.point = select(wanted, &solution.unknown, &solution.point);
     solution.evaluation = equation.evaluate_apart(&solution.point);
+    solution.quick = solution.quick & !wanted;
     solution.solved = (solution.solved | wanted) & failed.le(T::of(0.0));
     errors
 }
@@ -472,12 +474,14 @@ fn advanced<T: Batch, K: Kernel<T>, const IN_LINE: bool>(
     if !accepted.good.all() {
         return None;
     }
+    let Solution { unknown, quick, iterations, residual, rate, .. } = solution;
+    let learn = Learn { equation, memory, solution: unknown, quick: *quick, rate: *rate };
     if const { IN_LINE || !OneStep::<T, K>::IS_SMALL } {
-        memory.learn(equation.kernel, || equation.start(), &solution.unknown, solution.rate);
+        learn.done()
     } else {
-        T::dispatch(Learn { equation, memory, solution: &solution.unknown, rate: solution.rate });
+        T::dispatch(learn)
     }
-    let Solution { iterations, residual, .. } = *solution;
+    let (iterations, residual) = (*iterations, *residual);
     Some(Advanced { state: accepted.next, iterations, residual })
 }
 
@@ -486,6 +490,7 @@ struct Learn<'a, T: Batch, K: Kernel<T>> {
     equation: &'a AtState<'a, T, K>,
     memory: &'a mut Memory<T, K::Unknown>,
     solution: &'a K::Unknown,
+    quick: T::Mask,
     rate: T,
 }
 
@@ -495,8 +500,8 @@ impl<T: Batch, K: Kernel<T>> Work for Learn<'_, T, K> {
 
     #[inline(always)]
     fn done(self) {
-        let Self { equation, memory, solution, rate } = self;
-        memory.learn(equation.kernel, || equation.start(), solution, rate);
+        let Self { equation, memory, solution, quick, rate } = self;
+        memory.learn(equation.kernel, || equation.start(), solution, quick, rate);
     }
 }
 

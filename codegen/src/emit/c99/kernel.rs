@@ -164,6 +164,7 @@ impl Kernel<'_> {
             .with("LEAST_RATE", spelling.number(if is_strong { 2.0 / 1e8 } else { 1.0 / 256.0 }))
             .with("SHOWS", filled(shows))
             .with("FULL", filled(if self.step.is_newton { "U_THROUGH" } else { "U_WINDOW" }))
+            .with("FAST_FROM", if self.is_quadratic() { "1".to_owned() } else { filled("U_THROUGH") })
             .with("ITERATION", if self.step.is_newton { "an iteration or a few" } else { "one iteration" })
             .with("TAKEN", if self.step.is_newton { "1 + path->more" } else { "1" })
             .with("COMPACT_STALL", spelling.number(spelling.stall()))

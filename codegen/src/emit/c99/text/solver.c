@@ -325,6 +325,16 @@ U_HOT REAL K_left(REAL rate, REAL change)
 }
 
 //if newton
+/* Whether a change, after another one, leaves no more than rounding, as far as the rate shows. */
+U_HOT int K_is_left(REAL now, REAL last)
+{
+//if quadratic
+    return now * now * now <= (U_LEFT * U_EPSILON) * last * last;
+//else
+    return now * now <= (U_LEFT * U_EPSILON) * last;
+//end
+}
+
 /* A rate of convergence from two changes, one after the other, where another one was known. */
 U_FN REAL K_rate(REAL last, REAL now, REAL known)
 {
@@ -362,9 +372,9 @@ U_FN void K_iterate(const K_equation *q, const K_memory *m, const REAL *guess, c
     REAL sharp_last = ONE, sharp_now = m->rate, last = U_FAR, now, most;
     REAL next[SIZE];
     int round = 0, again = 1, is_last;
-//if quadratic
+//if newton
     /* as on the fast path, with its rate */
-    const int is_as_fast = m->count > 0 && m->due > 0;
+    const int is_as_fast = m->count >= FAST_FROM && m->due > 0;
     int measures = !is_as_fast;
 //end
     K_copy(s->unknown, guess);
@@ -388,9 +398,9 @@ U_FN void K_iterate(const K_equation *q, const K_memory *m, const REAL *guess, c
         round++;
         s->iterations += again;
         now = K_change(s->point, s->unknown);
-//if quadratic
+//if newton
         if (is_as_fast) {
-            is_last = again && now <= m->tolerance && now * now * now <= (U_LEFT * U_EPSILON) * last * last;
+            is_last = again && now <= m->tolerance && K_is_left(now, last);
             if (round > 1 && again && SHOWS && (U_TOLERANCE_0 * U_EPSILON < now || ONE <= sharp_last)) {
                 sharp_last = last;
                 sharp_now = now;
@@ -419,8 +429,9 @@ U_FN void K_iterate(const K_equation *q, const K_memory *m, const REAL *guess, c
         s->solved |= is_last;
         if (is_last)
             s->residual = now;
-        again = again && !is_last && now <= U_STRONG * last && round < U_ITERATIONS;
-//if quadratic
+        again = again && !is_last && round < U_ITERATIONS;
+//if newton
+        again = again && ((is_as_fast && round <= U_FEW) || now <= U_STRONG * last);
         if (round == U_FEW + 1)
             measures = measures || again;
 //end
@@ -428,14 +439,10 @@ U_FN void K_iterate(const K_equation *q, const K_memory *m, const REAL *guess, c
             break;
         last = now;
     }
-//if quadratic
+//if newton
     s->rate = measures ? K_rate(sharp_last, sharp_now, m->rate) : m->rate;
 //else
-//if newton
-    s->rate = K_rate(sharp_last, sharp_now, m->rate);
-//else
     s->rate = K_rate(sharp_last, sharp_now);
-//end
 //end
     s->residual = K_left(s->rate, s->residual);
 }
@@ -788,13 +795,8 @@ U_HOT int K_fast(const K_constants *k, K_memory *m, K_path *path, const S_state 
         K_next(&q, point, &e, unknown);
         now = K_change(point, unknown);
         /* as far as the rate is known, and as far as it shows */
-//if quadratic
-        if (now <= m->tolerance && now * now * now <= (U_LEFT * U_EPSILON) * last * last)
+        if (now <= m->tolerance && K_is_left(now, last))
             break;
-//else
-        if (now <= m->tolerance && now * now <= (U_LEFT * U_EPSILON) * last)
-            break;
-//end
         if (more == U_FEW)
             return 2;
         K_copy(point, unknown);
