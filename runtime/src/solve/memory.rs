@@ -159,7 +159,8 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
         if const { U::LENGTH == 0 } {
             return;
         }
-        if !rate.is_same(self.rate).all() {
+        // after any step the one follows from the other, so that memory that is taken up anew is the same
+        if !(self.predictor.remembers() && rate.is_same(self.rate).all()) {
             (self.rate, self.tolerance) = (rate, tolerance(rate, Convergence::of(kernel)));
         }
         let quick = quick & T::Mask::splat(self.due > 0);
@@ -189,7 +190,10 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
         let [due, interval] = [numbers[0].lane(0).to_f64() as u16, numbers[1].lane(0).to_f64() as u16];
         (self.due, self.interval) = (due, interval.min(INTERVALS[1]));
         visit(core::slice::from_mut(&mut self.rate));
-        self.tolerance = tolerance(self.rate, convergence);
+        self.tolerance = match self.predictor.remembers() {
+            true => tolerance(self.rate, convergence),
+            false => T::of(TOLERANCE[0] * T::EPSILON),
+        };
         self.settle();
     }
 }

@@ -8,15 +8,10 @@ use coadjoint::ensemble::{EnsembleError, Instructions, normal, uniform};
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, Ensemble, RightLift};
 
-use crate::systems::{Single, SingleState, Top, TopState};
-
-/// Nothing acts on it.
-#[lie_poisson_system(group = SO3)]
-#[derive(Clone)]
-struct Body {
-    #[inertia]
-    inertia: Vector3<f64>,
-}
+use crate::systems::{
+    Body, BodyState, Links, LinksState, Sensors, SensorsControl, SensorsState, Single, SingleState, Top,
+    TopState,
+};
 
 /// A potential on the group, a force that depends on time, and a control.
 #[lie_poisson_system(
@@ -153,25 +148,91 @@ fn jumping_controls_move_members_as_alone() {
         let part = |i: usize| 2.0 * ((member + i * step + i) as f64 * 0.618_033_988_75).fract() - 1.0;
         PushedControl { torque: size * vector![part(1), part(2), part(3)] }
     };
-    for instructions in Instructions::available() {
-        let (systems, states) = (vec![system.clone(); MEMBERS], vec![start; MEMBERS]);
-        let mut ensemble =
-            Ensemble::<_, Cayley>::with_instructions(&systems, states.clone(), 0.01, instructions).unwrap();
-        let mut alone: Vec<_> =
-            states.into_iter().map(|state| (system.stepper::<Cayley>(0.01).unwrap(), state)).collect();
-        for step in 0..600 {
-            ensemble.control(|member, _| torque(member, step));
-            ensemble.run(1);
-            assert!(ensemble.failed().is_empty());
-            for (member, (stepper, state)) in alone.iter_mut().enumerate() {
-                if step % 97 == 50 {
-                    let memory = stepper.snapshot();
-                    *stepper = system.stepper::<Cayley>(0.01).unwrap();
-                    stepper.restore(&memory).unwrap();
-                }
-                stepper.step_with(state, &torque(member, step)).unwrap();
+    move_one_by_one_as_alone::<_, Cayley>(&system, &vec![start; MEMBERS], 0.01, 600, torque);
+}
+
+/// Steps that are taken at once alone stay what they are beside others that are not, and so does what is remembered of them.
+#[test]
+fn what_one_member_learns_is_nothing_to_others() {
+    // slow motion, whose solutions are hardly more than rounding, beside controls that jump
+    let sensors = Sensors { gravity: vector![0.0, 0.0, -9.81] };
+    let mut element = SMatrix::<f64, 5, 5>::identity();
+    element[(0, 3)] = 20.0;
+    let carried = |k: usize| {
+        let momentum = SVector::<f64, 9>::from_fn(|i, _| 0.03 * i as f64 - 0.1 + 0.01 * k as f64);
+        SensorsState { element, momentum }
+    };
+    let felt = |member: usize, step: usize| {
+        let jump =
+            if member % 4 == 3 && step / 70 % 2 == 1 { 1e-4 * ((step * step) % 7) as f64 } else { 0.0 };
+        let accelerometer = vector![jump, 0.1 * member as f64, 9.81];
+        SensorsControl { gyroscope: vector![0.0, 0.0, 0.1], accelerometer }
+    };
+    let states: Vec<_> = (0..MEMBERS).map(carried).collect();
+    move_one_by_one_as_alone::<_, Cayley>(&sensors, &states, 0.01, 600, felt);
+
+    // Newton's method, beside members that move wildly
+    let hanging = |k: usize| LinksState {
+        first: UnitComplex::new(1.2),
+        first_momentum: vector![0.1 * k as f64],
+        second: UnitComplex::new(0.4),
+        second_momentum: vector![if k % 4 == 2 { 4.0 } else { 0.3 }],
+    };
+    let states: Vec<_> = (0..MEMBERS).map(hanging).collect();
+    for step in [0.01, 0.05, 0.1] {
+        move_one_by_one_as_alone::<_, Cayley>(&Links { gravity: 9.81 }, &states, step, 400, |_, _| none(0));
+    }
+    // and simplified
+    let body = Body { inertia: vector![1.0, 10.0, 100.0] };
+    let spinning = |k: usize| BodyState {
+        attitude: UnitQuaternion::identity(),
+        momentum: vector![1.0, 1.0, 1.0 + 0.1 * k as f64] * (if k % 4 == 2 { 5.0 } else { 1.0 }),
+    };
+    let states: Vec<_> = (0..MEMBERS).map(spinning).collect();
+    for step in [0.1, 0.3] {
+        type Order8 = HamiltonJacobi<Exponential, 8>;
+        move_one_by_one_as_alone::<_, Order8>(&body, &states, step, 400, |_, _| none(0));
+    }
+}
+
+/// Compares an ensemble, by whatever instructions, with its members alone, whose memory is taken up anew now and then.
+fn move_one_by_one_as_alone<S, M>(
+    system: &S,
+    states: &[S::State],
+    step: S::Scalar,
+    steps: usize,
+    control: impl Fn(usize, usize) -> S::Control,
+) where
+    S: Discretized<M> + Clone + 'static,
+    M: 'static,
+{
+    let mut alone: Vec<_> =
+        states.iter().map(|state| (system.stepper::<M>(step).unwrap(), state.clone())).collect();
+    let mut failed = Vec::new();
+    for taken in 0..steps {
+        for (member, (stepper, state)) in alone.iter_mut().enumerate() {
+            if taken % 97 == 50 {
+                let memory = stepper.snapshot();
+                *stepper = system.stepper::<M>(step).unwrap();
+                stepper.restore(&memory).unwrap();
+            }
+            if !failed.contains(&member) && stepper.step_with(state, &control(member, taken)).is_err() {
+                failed.push(member);
             }
         }
+    }
+    failed.sort_unstable();
+    assert!(failed.len() < states.len() / 2, "{failed:?}");
+    for instructions in Instructions::available() {
+        let systems = vec![system.clone(); states.len()];
+        let mut ensemble =
+            Ensemble::<S, M>::with_instructions(&systems, states.to_vec(), step, instructions).unwrap();
+        for taken in 0..steps {
+            ensemble.control(|member, _| control(member, taken));
+            ensemble.run(1);
+        }
+        let failed_together: Vec<_> = ensemble.failed().iter().map(|failed| failed.member).collect();
+        assert_eq!(failed_together, failed, "{instructions:?}");
         for (member, (together, (_, state))) in ensemble.states().zip(&alone).enumerate() {
             assert_eq!(together, *state, "member {member}, {instructions:?}");
         }

@@ -278,7 +278,7 @@ U_FN void K_learn(const K_equation *q, K_memory *m, const K_solution *s)
 {
     m->iterations = s->iterations;
     m->residual = s->residual;
-    if (s->rate != m->rate) {
+    if (m->count == 0 || s->rate != m->rate) {
         m->rate = s->rate;
         m->tolerance = K_tolerance(s->rate);
     }
