@@ -70,11 +70,9 @@ fn run(name: &str, header: &str, main: &str) -> String {
     fs::write(path.join("system.h"), header).expect("written");
     fs::write(path.join("main.c"), main).expect("written");
     let compiler = compiler().expect("looked for before");
-    // as it is shipped, but for most of the catalogue: a third less of the compiler's time
-    let level = if name.contains("heavy_top") || name.contains("quadrotor") { "-O2" } else { "-O1" };
     let flags = [
         "-std=c99",
-        level,
+        "-O2",
         "-ffp-contract=off",
         "-Wall",
         "-Wextra",

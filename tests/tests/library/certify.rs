@@ -729,10 +729,13 @@ fn fast_charges() -> (FastCharge, Vec<FastChargeState>) {
 #[test]
 fn an_energy_with_an_edge() {
     let (charge, states) = fast_charges();
-    let fastest = &states[states.len() - 1..];
-    let each = states.iter().map(|state| passes::<Midpoint, _>(&charge, &[*state], &[]));
-    for report in each.chain([passes::<Order4<Midpoint>, _>(&charge, fastest, &[])]) {
-        assert_eq!(report.certificate("Newton correction").unwrap().verdict, Verdict::Passed);
+    for state in &states {
+        for report in [
+            passes::<Midpoint, _>(&charge, &[*state], &[]),
+            passes::<Order4<Midpoint>, _>(&charge, &[*state], &[]),
+        ] {
+            assert_eq!(report.certificate("Newton correction").unwrap().verdict, Verdict::Passed);
+        }
     }
 }
 
