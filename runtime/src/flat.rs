@@ -25,9 +25,17 @@ pub trait Method<T: Batch>: Send + Sync {
     /// As there; what stands in `next` then counts in the lanes that did not fail.
     fn advance(&mut self, state: &[T], next: &mut [T], time: T, control: &[T], known: bool) -> Counted<T>;
 
-    /// Takes steps for as long as they are as most steps are, if any: see [`method::Method::advance_n`].
-    fn advance_n(&mut self, _state: &mut [T], _clock: Clock, _control: &[T], _most: u64) -> StepsReport<T> {
-        StepsReport::default()
+    /// Takes steps for as long as they are as most steps are, if any: see [`method::Method::advance_n`]. A step that fails in some lanes, and
+    /// is not to be taken again, is returned; `next` is the state after it.
+    fn advance_n(
+        &mut self,
+        _state: &mut [T],
+        _next: &mut [T],
+        _clock: Clock,
+        _control: &[T],
+        _most: u64,
+    ) -> (StepsReport<T>, Option<Failure<T, ()>>) {
+        (StepsReport::default(), None)
     }
 
     /// Holds over each step that it is made of its own control, as many numbers as there are `controls`, which the function writes to zeros: see
@@ -63,6 +71,21 @@ fn write<T: Scalar, C: Components<T>>(to: &mut [T], array: &C) {
         Some(to) => to.copy_from_slice(array.as_ref()),
         None => copy(to, array.as_ref()),
     }
+}
+
+/// Writes the state after a step.
+#[inline(always)]
+fn written<T: Batch, C: Components<T>>(next: &mut [T], advanced: Advanced<T, C>) -> Advanced<T, ()> {
+    let Advanced { state, iterations, residual } = advanced;
+    write(next, &state);
+    Advanced { state: (), iterations, residual }
+}
+
+/// Writes the state after a step that failed in some lanes.
+#[inline(always)]
+fn failed<T: Batch, C: Components<T>>(next: &mut [T], failure: Failure<T, C>) -> Failure<T, ()> {
+    let Failure { errors, advanced } = failure;
+    Failure { errors, advanced: written(next, advanced) }
 }
 
 /// A method on arrays as one on slices. `BATCHES`: whether steps are also compiled to be taken together, for what the processor turns out
@@ -107,30 +130,28 @@ impl<M: method::Method, const BATCHES: bool> Method<M::Scalar> for ([M::CallSite
         let step = Stage { method, from: None, state, time, control, known };
         // numbers side by side need the instructions that they are made for
         let outcome = if const { M::Scalar::LANES > 1 } { M::Scalar::dispatch(step) } else { step.done() };
-        let mut written = |Advanced { state, iterations, residual }| {
-            write(next, &state);
-            Advanced { state: (), iterations, residual }
-        };
         match outcome {
-            Ok(advanced) => Ok(written(advanced)),
-            Err(Failure { errors, advanced }) => Err(Failure { errors, advanced: written(advanced) }),
+            Ok(advanced) => Ok(written(next, advanced)),
+            Err(failure) => Err(failed(next, failure)),
         }
     }
 
     fn advance_n(
         &mut self,
         state: &mut [M::Scalar],
+        next: &mut [M::Scalar],
         clock: Clock,
         control: &[M::Scalar],
         most: u64,
-    ) -> StepsReport<M::Scalar> {
+    ) -> (StepsReport<M::Scalar>, Option<Failure<M::Scalar, ()>>) {
         if const { !BATCHES } {
-            return StepsReport::default();
+            return (StepsReport::default(), None);
         }
-        let mut now = array(state);
-        let marched = self.1.0.advance_n(&mut now, clock, &array(control), most);
+        let (mut now, mut failure) = (array(state), None);
+        let in_lanes = const { M::Scalar::LANES > 1 }.then_some(&mut failure);
+        let marched = self.1.0.advance_n(&mut now, clock, &array(control), most, in_lanes);
         write(state, &now);
-        marched
+        (marched, failure.map(|failure| failed(next, failure)))
     }
 
     fn set_inputs(&mut self, _: usize, inputs: Option<&mut WriteInput<'_, M::Scalar>>) {

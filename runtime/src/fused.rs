@@ -71,6 +71,16 @@ fn unwrapped<T: Batch, W: Components<FusedScalar<T>>, C: Components<T>>(componen
     mapped(components.as_ref(), T::of(0.0), |fused| fused.0)
 }
 
+#[inline(always)]
+fn without<T: Batch, W, C>(advanced: Advanced<FusedScalar<T>, W>) -> Advanced<T, C>
+where
+    W: Components<FusedScalar<T>>,
+    C: Components<T>,
+{
+    let Advanced { state, iterations, residual } = advanced;
+    Advanced { state: unwrapped(&state), iterations, residual: residual.0 }
+}
+
 /// Does the work where the instructions are: wide registers are there already.
 #[inline(always)]
 fn inside<T: Batch, W: Work>(work: W) -> W::Result {
@@ -93,11 +103,6 @@ impl<T: Batch, B: Method<Scalar = FusedScalar<T>>, C: Components<T>> Work for St
     #[inline(always)]
     fn done(self) -> Outcome<T, C> {
         let Self { method, from, state, time, control, known } = self;
-        let without = |advanced: Advanced<FusedScalar<T>, B::State>| Advanced {
-            state: unwrapped(&advanced.state),
-            iterations: advanced.iterations,
-            residual: advanced.residual.0,
-        };
         match (Stage { method, from, state: &wrapped(state), time, control, known }).done() {
             Ok(advanced) => Ok(without(advanced)),
             Err(Failure { errors, advanced }) => Err(Failure { errors, advanced: without(advanced) }),
@@ -174,11 +179,16 @@ impl<S: Discretized<M>, M, T: Batch> Method for FusedMethod<S, M, T> {
         clock: Clock,
         control: &Self::Control,
         most: u64,
+        failed: Option<&mut Option<Failure<T, Self::State>>>,
     ) -> StepsReport<T> {
-        let mut now = wrapped(state);
+        let (mut now, mut failure) = (wrapped(state), None);
+        let inner = failed.is_some().then_some(&mut failure);
         let StepsReport { steps, iterations, max_iterations, max_residual } =
-            self.0.advance_n(&mut now, clock, &wrapped(control), most);
+            self.0.advance_n(&mut now, clock, &wrapped(control), most, inner);
         *state = unwrapped(&now);
+        if let (Some(failed), Some(Failure { errors, advanced })) = (failed, failure) {
+            *failed = Some(Failure { errors, advanced: without(advanced) });
+        }
         StepsReport { steps, iterations, max_iterations, max_residual: max_residual.0 }
     }
 

@@ -40,7 +40,8 @@ pub trait Method: Clone + Send + Sync {
         self.advance_from(None, state, time, control, known)
     }
 
-    /// Takes steps, up to `most`, with `control` held all the time, from a state that is known; fewer if one fails, of which nothing remains.
+    /// Takes steps, up to `most`, with `control` held all the time, from a state that is known; fewer if one fails, of which nothing remains
+    /// where the state is of one member. In lanes it has led on where nothing was wrong: it is not to be taken again, and is left in `failed`.
     /// Faster than one by one, with the same result.
     #[inline(always)]
     fn advance_n(
@@ -49,8 +50,9 @@ pub trait Method: Clone + Send + Sync {
         clock: Clock,
         control: &Self::Control,
         most: u64,
+        failed: Option<&mut Option<Failure<Self::Scalar, Self::State>>>,
     ) -> StepsReport<Self::Scalar> {
-        let work = AdvanceN { method: self, state, clock, control, most, known: true, failed: None };
+        let work = AdvanceN { method: self, state, clock, control, most, known: true, failed };
         Self::Scalar::dispatch_wide(work)
     }
 

@@ -89,10 +89,13 @@ impl Homes {
                 placement.store_if_used_elsewhere(dag, signed.op, function.record, &is_given);
             }
         }
-        for op in dag.reachable_from(results(&apart)) {
+        let results = results(&apart);
+        for op in dag.reachable_from(results.clone()) {
             let is_local = |op: Op| matches!(placement.places[&op], None | Some(RecordKind::Iterate));
             let operands = dag.operation(op).operands().into_iter();
-            let known = operands.chain([op]).filter(|&known| is_local(op) && !is_local(known));
+            // of a result that is known before, there is no operand to be looked at
+            let known = operands.filter(|&known| is_local(op) && !is_local(known));
+            let known = known.chain((results.contains(&op) && !is_local(op)).then_some(op));
             for operand in known.collect::<Vec<_>>() {
                 placement.store_if_used_elsewhere(dag, operand, None, &is_given);
             }

@@ -348,9 +348,18 @@ impl<T: Batch> Block for LaneBlock<T> {
             let known = self.known && clock.start.is_finite();
             if known && !is_driven {
                 let now = Clock { taken: clock.taken + done, ..clock };
-                let batch = self.method.advance_n(&mut self.state, now, &self.control, most);
+                let (batch, failure) =
+                    self.method.advance_n(&mut self.state, &mut self.next, now, &self.control, most);
                 done += batch.steps;
                 taken.member_steps += batch.steps * members;
+                if let Some(failure) = failure {
+                    // what the others learnt of the step they would learn twice
+                    done += 1;
+                    self.retire(failure.errors.as_ref(), clock.taken + done, &mut taken.failed);
+                    members = self.alive();
+                    taken.member_steps += members;
+                    continue;
+                }
                 if batch.steps == most {
                     continue;
                 }

@@ -459,7 +459,8 @@ impl Stepper {
         let outcome = loop {
             if known && batches {
                 let (clock, most) = (self.clock(), count - report.steps);
-                let advanced = method(&mut self.method).advance_n(&mut self.left, clock, control, most);
+                let method = method(&mut self.method);
+                let (advanced, _) = method.advance_n(&mut self.left, &mut self.next, clock, control, most);
                 batches = advanced.steps > 0;
                 self.taken += advanced.steps;
                 report.add_steps(&advanced);

@@ -217,7 +217,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
             let is_full = self.are_all(is_newton);
             let is_quick = is_full & quick;
             is_near = is_full & !is_quick & is_within::<T, _>(blocks, &next, solution, small);
-            if !is_newton && self.oldest as usize % WINDOW == 0 && is_near.any() {
+            if !is_newton && (self.oldest as usize).is_multiple_of(WINDOW) && is_near.any() {
                 self.weigh(blocks, solution, is_near);
             }
             is_near = is_near | is_quick;
@@ -448,6 +448,23 @@ mod tests {
         }
         let least = all.into_iter().fold(f64::INFINITY, f64::min);
         assert!(magnifies(WEIGHTS) == least && (least - 61.2).abs() < 0.1, "{least}");
+    }
+
+    #[test]
+    fn calm_weights_continue_polynomials_of_degree_6_and_magnify_rounding_6_fold() {
+        let at = |power: i32| PAIRS.map(|j| ((8.0 - j as f64) / 8.0).powi(power));
+        let sum = |power: i32| CALM.iter().zip(at(power)).map(|(w, x)| w * x).sum::<f64>();
+        for power in [1, 3, 5] {
+            assert!((sum(power) - 1.0).abs() < 1e-15, "{power}: {}", sum(power));
+        }
+        assert!((sum(7) - 1.0).abs() > 0.1, "nor more");
+        // of all that do, those that are sums of the three powers magnify least: numbers of few digits are not far from them
+        let rows = nalgebra::Matrix3x5::from_fn(|i, k| at(2 * i as i32 + 1)[k]);
+        let inverse = (rows * rows.transpose()).try_inverse().expect("three pairs are different");
+        let least = rows.transpose() * inverse * nalgebra::Vector3::repeat(1.0);
+        let least = magnifies(core::array::from_fn(|k| least[k]));
+        assert!(least <= magnifies(CALM) && magnifies(CALM) < 1.03 * least, "{} {least}", magnifies(CALM));
+        assert!(magnifies(CALM) < 6.0);
     }
 
     use std::vec::Vec;

@@ -331,8 +331,13 @@ impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
             let mut components = state.to_components();
             if self.is_left_at(&components) {
                 let most = count - report.steps;
-                let advanced =
-                    self.method.advance_n(&mut components, self.clock(), &control.to_components(), most);
+                let advanced = self.method.advance_n(
+                    &mut components,
+                    self.clock(),
+                    &control.to_components(),
+                    most,
+                    None,
+                );
                 *state = S::State::from_components(&components);
                 self.left = Some(components);
                 self.taken += advanced.steps;

@@ -176,7 +176,7 @@ fn what_one_member_learns_is_nothing_to_others() {
         first: UnitComplex::new(1.2),
         first_momentum: vector![0.1 * k as f64],
         second: UnitComplex::new(0.4),
-        second_momentum: vector![if k % 4 == 2 { 4.0 } else { 0.3 }],
+        second_momentum: vector![if k % 4 == 2 { 10.0 } else { 0.3 }],
     };
     let states: Vec<_> = (0..MEMBERS).map(hanging).collect();
     for step in [0.01, 0.05, 0.1] {

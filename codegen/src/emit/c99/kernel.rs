@@ -61,8 +61,7 @@ impl Kernel<'_> {
         text += &self.records(words);
         for function in &module.functions {
             let is_needed = match function.role {
-                StepRole::Start | StepRole::Correction => self.size() > 0,
-                StepRole::FixedPointUpdate => self.size() > 0,
+                StepRole::Start | StepRole::Correction | StepRole::FixedPointUpdate => self.size() > 0,
                 _ => true,
             };
             if is_needed {

@@ -118,10 +118,17 @@ impl<T: Called, const U: usize> Method<T> for DynamicMethod<T, U> {
         self.rest(has_first, time, known, next)
     }
 
-    fn advance_n(&mut self, state: &mut [T], clock: Clock, control: &[T], most: u64) -> StepsReport<T> {
+    fn advance_n(
+        &mut self,
+        state: &mut [T],
+        next: &mut [T],
+        clock: Clock,
+        control: &[T],
+        most: u64,
+    ) -> (StepsReport<T>, Option<Failure<T, ()>>) {
         let mut report = StepsReport::default();
         if !T::has_march(&*self.step.functions) {
-            return report;
+            return (report, None);
         }
         self.give(state, control);
         while report.steps < most {
@@ -138,7 +145,7 @@ impl<T: Called, const U: usize> Method<T> for DynamicMethod<T, U> {
                 break;
             }
             let time = T::of(clock.after(report.steps));
-            let Ok(advanced) = self.rest(has_first, time, true, &mut []) else { break };
+            let Ok(advanced) = self.rest(has_first, time, true, next) else { break };
             let layout = &self.step.layout;
             self.joined.frame().rows.copy_within(layout.next.clone(), layout.state.start);
             report.steps += 1;
@@ -146,7 +153,7 @@ impl<T: Called, const U: usize> Method<T> for DynamicMethod<T, U> {
         }
         let now = self.joined.frame().read(self.step.layout.state.clone());
         state.iter_mut().zip(now).for_each(|(to, number)| *to = number);
-        report
+        (report, None)
     }
 
     /// The numbers that the typed stepper has: not those that fill up an unknown.

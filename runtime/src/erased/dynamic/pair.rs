@@ -8,7 +8,7 @@ use super::kernel::{DynamicKernel, OfKernel, have_the_same_room, of_kernel};
 use super::method::DynamicMethod;
 use super::step::{Called, Step};
 use crate::flat::Method;
-use crate::method::{Advanced, Clock, Counted, Method as _, StageAccumulator, StepsReport};
+use crate::method::{Advanced, Clock, Counted, Failure, Method as _, StageAccumulator, StepsReport};
 use crate::scalar::simd::march::{March, Marched};
 use crate::snapshot::visit_flag;
 use crate::solve::step::OneStep;
@@ -164,13 +164,19 @@ impl<T: Called, const U: usize> Method<T> for Pair<T, U> {
         }
     }
 
-    fn advance_n(&mut self, state: &mut [T], clock: Clock, control: &[T], most: u64) -> StepsReport<T> {
+    fn advance_n(
+        &mut self,
+        state: &mut [T],
+        next: &mut [T],
+        clock: Clock,
+        control: &[T],
+        most: u64,
+    ) -> (StepsReport<T>, Option<Failure<T, ()>>) {
         let mut report = StepsReport::default();
         if !self.whole {
-            return report;
+            return (report, None);
         }
         self.give(state, control);
-        let mut next = state.to_vec();
         while report.steps < most {
             let ahead = Clock { taken: clock.taken + report.steps, ..clock };
             let marched = self.march(ahead, most - report.steps);
@@ -191,13 +197,13 @@ impl<T: Called, const U: usize> Method<T> for Pair<T, U> {
             }
             self.whole = false;
             let time = T::of(clock.after(report.steps));
-            let Ok(advanced) = self.rest(marched, time, control, true, &mut next) else { break };
-            state.copy_from_slice(&next);
+            let Ok(advanced) = self.rest(marched, time, control, true, next) else { break };
+            state.copy_from_slice(next);
             self.give(state, control);
             report.steps += 1;
             report.count(1, &advanced.iterations, advanced.residual, (0, 0));
         }
-        report
+        (report, None)
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
