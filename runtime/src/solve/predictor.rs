@@ -46,8 +46,38 @@ const CALM: [f64; 5] = [49.0 / 16.0, -2.0, -35.0 / 32.0, 35.0 / 32.0, 3.0 / 4.0]
 /// The first half of the weights of the polynomial through eight.
 const BINOMIAL: [f64; 4] = [8.0, -28.0, 56.0, -70.0];
 
-/// The weights with which all solutions are continued, in each lane.
-pub(super) type Weights<T> = [T; PAIRS.len()];
+/// The weights with which all solutions are continued.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Weights<T> {
+    /// In each lane. Of one number alone what is computed knows them: loaded, they would take a twentieth of a step's instructions.
+    each: [T; PAIRS.len()],
+    /// Of one number alone, whether they are those for slow motion.
+    is_calm: bool,
+}
+
+impl<T: Batch> Weights<T> {
+    /// The same ones in all lanes.
+    #[inline(always)]
+    fn of(is_calm: bool) -> Self {
+        Self { each: if is_calm { known(CALM) } else { known(WEIGHTS) }, is_calm }
+    }
+
+    /// The first of them.
+    #[inline(always)]
+    fn first(&self) -> T {
+        match self.is_calm {
+            _ if const { T::LANES > 1 } => self.each[0],
+            true => T::of(CALM[0]),
+            false => T::of(WEIGHTS[0]),
+        }
+    }
+}
+
+/// Weights that the compiler knows. No closure, which would not be compiled for the processor that the caller is compiled for.
+#[inline(always)]
+fn known<T: Batch>([a, b, c, d, e]: [f64; PAIRS.len()]) -> [T; PAIRS.len()] {
+    [T::of(a), T::of(b), T::of(c), T::of(d), T::of(e)]
+}
 
 /// Where the solutions before point, and the place that the next one will take: in registers while many steps are taken.
 pub(crate) type Guess<U> = (U, u32);
@@ -80,7 +110,7 @@ impl<T: Batch, U: Components<T>> Default for Predictor<T, U> {
             next: nothing,
             solution: nothing,
             count: T::of(0.0),
-            weights: WEIGHTS.map(T::of),
+            weights: Weights::of(false),
             oldest: 0,
             is_full: false,
         }
@@ -151,13 +181,28 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     /// What the solutions that there are contribute to the one after the next, where [all are of use](Self::is_full).
     #[inline(always)]
     pub(super) fn begun<P: Processor>(&self, weights: &Weights<T>, oldest: u32, is_newton: bool) -> U {
-        computed::<P, _, _, _>(&mut Begun(self, weights, oldest, is_newton), &self.next)
+        if is_newton {
+            return computed::<P, _, _, _>(&mut Eighth(self, oldest), &self.next);
+        }
+        self.earlier::<P>(weights, oldest, 1)
+    }
+
+    /// What all but the latest, `ahead` steps from now, contribute to the next solution.
+    #[inline(always)]
+    fn earlier<P: Processor>(&self, weights: &Weights<T>, oldest: u32, ahead: usize) -> U {
+        if const { T::LANES > 1 } {
+            computed::<P, _, _, _>(&mut Earlier(self, weights.each, oldest, ahead), &self.next)
+        } else if weights.is_calm {
+            computed::<P, _, _, _>(&mut Earlier(self, known(CALM), oldest, ahead), &self.next)
+        } else {
+            computed::<P, _, _, _>(&mut Earlier(self, known(WEIGHTS), oldest, ahead), &self.next)
+        }
     }
 
     /// The solution after this one, from what was [begun](Self::begun).
     #[inline(always)]
     pub(super) fn then(begun: &U, weights: &Weights<T>, solution: &U, is_newton: bool) -> U {
-        plus(begun, if is_newton { T::of(BINOMIAL[0]) } else { weights[0] }, solution)
+        plus(begun, if is_newton { T::of(BINOMIAL[0]) } else { weights.first() }, solution)
     }
 
     /// Takes the next solution. Returns the place that the one after it will take.
@@ -189,7 +234,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     #[cfg(feature = "dynamic")]
     pub(super) fn remembered(&mut self) -> Remembered<'_, T, U> {
         let Self { ring, next, solution, weights, oldest, .. } = self;
-        Remembered { ring, next, solution, weights, oldest: *oldest }
+        Remembered { ring, next, solution, weights: &weights.each, oldest: *oldest }
     }
 
     /// Takes what that has led to.
@@ -199,10 +244,17 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     }
 
     /// Takes one more solution, whatever there is. Where a few of the earlier solutions predict it better than all, as where a control has jumped,
-    /// the others are forgotten. What one lane learns, others beside it make no difference to: where all were of use and the step was as `quick` as on
+    /// the others are forgotten. Where it `weighs`, other weights may take the place of those there are. What one lane learns, others beside it make no difference to: where all were of use and the step was as `quick` as on
     /// the fast path, it would have been taken there.
     #[inline(always)]
-    pub(super) fn learn(&mut self, blocks: &[usize], start: Option<&U>, solution: &U, quick: T::Mask) {
+    pub(super) fn learn(
+        &mut self,
+        blocks: &[usize],
+        start: Option<&U>,
+        solution: &U,
+        quick: T::Mask,
+        weighs: bool,
+    ) {
         let is_newton = start.is_some();
         let from_start = |apart: &U| start.map_or(*apart, |start| plus(start, T::of(1.0), apart));
         let kept = start.map_or(*solution, |start| less(solution, start));
@@ -217,7 +269,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
             let is_full = self.are_all(is_newton);
             let is_quick = is_full & quick;
             is_near = is_full & !is_quick & is_within::<T, _>(blocks, &next, solution, small);
-            if !is_newton && (self.oldest as usize).is_multiple_of(WINDOW) && is_near.any() {
+            if weighs && !is_newton && is_near.any() {
                 self.weigh(blocks, solution, is_near);
             }
             is_near = is_near | is_quick;
@@ -250,9 +302,10 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     #[inline(always)]
     fn take_weights(&mut self) {
         let is_calm = T::of(WINDOW as f64).lt(self.count);
-        for (k, weight) in self.weights.iter_mut().enumerate() {
+        for (k, weight) in self.weights.each.iter_mut().enumerate() {
             *weight = T::select(is_calm, T::of(CALM[k]), T::of(WEIGHTS[k]));
         }
+        self.weights.is_calm = is_calm.all();
     }
 
     /// Predicts the next solution.
@@ -282,8 +335,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     /// The next solution from all, with these weights.
     #[inline(always)]
     fn by_all(&self, weights: &Weights<T>) -> U {
-        let odd = computed::<Portable, _, _, _>(&mut Odd(self, weights), &self.next);
-        plus(&odd, weights[0], &self.latest())
+        plus(&self.earlier::<Portable>(weights, self.oldest, 0), weights.first(), &self.latest())
     }
 
     /// Takes the weights that would have led nearer to this solution in these lanes, in which all are of use: where the motion is slow, the others magnify
@@ -292,8 +344,8 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     #[inline(never)]
     fn weigh(&mut self, blocks: &[usize], solution: &U, lanes: T::Mask) {
         let sizes = &weights::<T, _>(blocks, solution);
-        let [usual, calm] = [WEIGHTS, CALM]
-            .map(|weights| weighted::<T, _>(sizes, &self.by_all(&weights.map(T::of)), solution));
+        let [usual, calm] = [false, true]
+            .map(|is_calm| weighted::<T, _>(sizes, &self.by_all(&Weights::of(is_calm)), solution));
         let [all, more] = [WINDOW, WINDOW + 1].map(|count| T::of(count as f64));
         self.count = T::select(lanes, T::select(calm.lt(usual), more, all), self.count);
         self.take_weights();
@@ -338,27 +390,27 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     }
 }
 
-/// `x₁₆ − w₁ x₁₅ + Σ_{j > 1} w_j (x_j − x_{16 − j})`, piece by piece.
-struct Odd<'a, T: Batch, U>(&'a Predictor<T, U>, &'a Weights<T>);
+/// `x₁₆ − w₁ x₁₅ + Σ_{j > 1} w_j (x_j − x_{16 − j})`, piece by piece; so many steps from now, the `x_j` are as many places newer.
+struct Earlier<'a, T: Batch, U>(&'a Predictor<T, U>, [T; PAIRS.len()], u32, usize);
 
-impl<T: Batch, U: Components<T>> Formula<T> for Odd<'_, T, U> {
+impl<T: Batch, U: Components<T>> Formula<T> for Earlier<'_, T, U> {
     const SPARE: usize = 1;
 
     #[inline(always)]
     fn at<X: Piece<T>>(&mut self, i: usize) -> X {
-        earlier(self.0, self.1, self.0.oldest, 0, i)
+        earlier(self.0, &self.1, self.2, self.3, i)
     }
 }
 
-/// The same for the solution after the next.
-struct Begun<'a, T: Batch, U>(&'a Predictor<T, U>, &'a Weights<T>, u32, bool);
+/// The same for Newton's method, a step from now.
+struct Eighth<'a, T: Batch, U>(&'a Predictor<T, U>, u32);
 
-impl<T: Batch, U: Components<T>> Formula<T> for Begun<'_, T, U> {
+impl<T: Batch, U: Components<T>> Formula<T> for Eighth<'_, T, U> {
     const SPARE: usize = 1;
 
     #[inline(always)]
     fn at<X: Piece<T>>(&mut self, i: usize) -> X {
-        if self.3 { eighth(self.0, self.2, i) } else { earlier(self.0, self.1, self.2, 1, i) }
+        eighth(self.0, self.1, i)
     }
 }
 
@@ -371,11 +423,11 @@ fn eighth<T: Batch, U: Components<T>, X: Piece<T>>(predictor: &Predictor<T, U>, 
     inner.and(outer.less(at(THROUGH)))
 }
 
-/// In two chains side by side, for the next step waits for it. `ahead` steps from now the `x_j` are as many places newer.
+/// In two chains side by side, for the next step waits for it.
 #[inline(always)]
 fn earlier<T: Batch, U: Components<T>, X: Piece<T>>(
     predictor: &Predictor<T, U>,
-    weights: &Weights<T>,
+    weights: &[T; PAIRS.len()],
     oldest: u32,
     ahead: usize,
     i: usize,
@@ -471,7 +523,7 @@ mod tests {
 
     fn after(predictor: &mut Predictor<f64, [f64; 1]>, solutions: impl IntoIterator<Item = f64>) {
         for x in solutions {
-            predictor.learn(&[1], None, &[x], false);
+            predictor.learn(&[1], None, &[x], false, false);
             assert_eq!(predictor.latest(), [x], "{predictor:?}");
         }
     }

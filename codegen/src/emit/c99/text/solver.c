@@ -209,7 +209,7 @@ U_FN void K_learn_solution(const K_equation *q, K_memory *m, const REAL *solutio
 //if newton
         K_eighth(m, m->oldest, begun);
 //else
-        if (m->oldest % (unsigned)U_WINDOW == 0)
+        if (m->due % U_WINDOW == 0)
             K_weigh(m, solution);
         K_earlier(m, m->oldest, 1, K_weights(m->count > U_WINDOW), begun);
 //end
