@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use coadjoint::erased::RetractionKind;
 use coadjoint::erased::dynamic::{
-    Definition, Given, Inertia, LANES, Layout, Lengths, March, Rule, Step, StepFunction, StepFunctions,
+    Definition, FEW, Given, Inertia, LANES, Layout, Lengths, March, Rule, Step, StepFunction, StepFunctions,
     SystemFunction, SystemFunctions, Work, description, side_by_side, with_events,
 };
 use coadjoint::{Event, Kind, Quantity, Role, Side};
@@ -162,8 +162,8 @@ impl StepFunctions for Functions {
         side_by_side(Wide { code: &self.interpreted[function as usize], frame });
     }
 
-    fn call_two(&self, function: StepFunction, frame: &mut [[f64; 2]]) {
-        if self.machine.as_ref().is_some_and(|machine| machine.call_two(function, frame)) {
+    fn call_few(&self, function: StepFunction, frame: &mut [[f64; FEW]]) {
+        if self.machine.as_ref().is_some_and(|machine| machine.call_wide(function, frame)) {
             return;
         }
         self.interpreted[function as usize].run(frame);
@@ -177,8 +177,8 @@ impl StepFunctions for Functions {
         self.machine.as_ref()?.march(then, 1)
     }
 
-    fn march_two(&self, then: Option<usize>) -> Option<March> {
-        self.machine.as_ref()?.march(then, 2)
+    fn march_few(&self, then: Option<usize>) -> Option<March> {
+        self.machine.as_ref()?.march(then, FEW)
     }
 }
 

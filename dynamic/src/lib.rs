@@ -69,7 +69,7 @@
 //! # Machine code
 //!
 //! With the feature `jit` steps are compiled as the program runs, where the processor is known and memory may be executed: they take one and a half
-//! times as long as the macro's then, with the same bits. Members of an ensemble are stepped two at a time, which takes little more than one does alone.
+//! times as long as the macro's then, with the same bits. Members of an ensemble are stepped four at a time, which takes about twice as long as one alone.
 //! [`Model::interpreted`] asks for the interpreter.
 
 /// The guide's page, whose code is compiled here.

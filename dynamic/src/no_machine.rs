@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use coadjoint::erased::dynamic::{LANES, Layout, March, StepFunction};
+use coadjoint::erased::dynamic::{Layout, March, StepFunction};
 use coadjoint_codegen::program::Program;
 
 /// A step's functions, none of which is compiled.
@@ -18,13 +18,8 @@ impl Machine {
         false
     }
 
-    /// The same on many frames side by side.
-    pub(crate) fn call_wide(&self, _: StepFunction, _: &mut [[f64; LANES]]) -> bool {
-        false
-    }
-
-    /// The same on two frames side by side.
-    pub(crate) fn call_two(&self, _: StepFunction, _: &mut [[f64; 2]]) -> bool {
+    /// The same on frames side by side.
+    pub(crate) fn call_wide<const L: usize>(&self, _: StepFunction, _: &mut [[f64; L]]) -> bool {
         false
     }
 

@@ -1,11 +1,12 @@
 //! From the functions of a program to Cranelift's instructions: the same operations in the same order as the interpreter's.
 
-use coadjoint::erased::dynamic::FUSED;
+use coadjoint::erased::dynamic::{FEW, FUSED};
 use coadjoint_codegen::program::{Elementary, Function, Statement, Term, Value, stumpff};
 use cranelift_codegen::ir::condcodes::{FloatCC, IntCC};
 use cranelift_codegen::ir::{
     self, BlockArg, FuncRef, InstBuilder, MemFlagsData, StackSlotData, StackSlotKind, Type, types,
 };
+use cranelift_codegen::packed_option::ReservedValue;
 use cranelift_frontend::FunctionBuilder;
 
 use super::outside::{Outside, elementary};
@@ -17,10 +18,12 @@ pub(super) struct Emitter<'a, 'f> {
     /// What is called.
     pub(super) outside: &'a mut dyn FnMut(Outside, &mut ir::Function) -> Option<FuncRef>,
     pub(super) pointer: Type,
-    /// Whether two frames are gone through, side by side.
+    /// Whether several frames are gone through, side by side.
     pub(super) wide: bool,
-    /// How many frames lie there number by number: two of them are gone through where there are more.
-    members: usize,
+    /// How many frames lie there number by number.
+    pub(super) members: usize,
+    /// How many registers there are of each number: those of the first frames.
+    registers: usize,
     /// The address of the frame.
     pub(super) frame: ir::Value,
     /// Where Stumpff functions of large arguments are left to others. With a call for them, numbers could not stay in registers.
@@ -31,16 +34,34 @@ pub(super) struct Emitter<'a, 'f> {
     pub(super) is_missing: bool,
 }
 
+/// How many registers a number takes at most.
+const REGISTERS: usize = FEW / 2;
+
+/// A number of each of several members, two in a register, or of one; or whether something holds of it.
+///
+/// Newton's steps wait for one operation after the other: while one register's do, the processor goes on with those of the next.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Number {
+    registers: [ir::Value; REGISTERS],
+    count: usize,
+}
+
+impl Number {
+    pub(super) fn registers(&self) -> &[ir::Value] {
+        &self.registers[..self.count]
+    }
+}
+
 /// What is known of a value.
 #[derive(Clone, Copy)]
 pub(super) enum Known {
-    Computed(ir::Value),
+    Computed(Number),
     /// It stands in memory, so many places from an address, and has not been read yet.
     InMemory(ir::Value, usize),
 }
 
 /// Results of a function, array by array.
-pub(super) type Arrays = Vec<Vec<ir::Value>>;
+pub(super) type Arrays = Vec<Vec<Number>>;
 
 impl<'a, 'f> Emitter<'a, 'f> {
     pub(super) fn new(
@@ -52,7 +73,74 @@ impl<'a, 'f> Emitter<'a, 'f> {
     ) -> Self {
         let (frame, values) = (ir::Value::from_u32(0), vec![None; places]);
         let wide = members > 1;
-        Self { builder, outside, pointer, wide, members, frame, lost: None, values, is_missing: false }
+        let registers = (members / 2).clamp(1, REGISTERS);
+        Self {
+            builder,
+            outside,
+            pointer,
+            wide,
+            members,
+            registers,
+            frame,
+            lost: None,
+            values,
+            is_missing: false,
+        }
+    }
+
+    /// What is computed in each register.
+    pub(super) fn in_each<const N: usize>(
+        &mut self,
+        of: [Number; N],
+        mut compute: impl FnMut(&mut FunctionBuilder<'f>, [ir::Value; N]) -> ir::Value,
+    ) -> Number {
+        self.registers_of(|emitter, k| compute(&mut emitter.builder, of.map(|number| number.registers[k])))
+    }
+
+    /// The number with these registers, first to last.
+    pub(super) fn registers_of(&mut self, mut of: impl FnMut(&mut Self, usize) -> ir::Value) -> Number {
+        let mut number =
+            Number { registers: [ir::Value::reserved_value(); REGISTERS], count: self.registers };
+        for (k, register) in number.registers[..self.registers].iter_mut().enumerate() {
+            *register = of(self, k);
+        }
+        number
+    }
+
+    /// A parameter of a block.
+    pub(super) fn parameter(&mut self, block: ir::Block) -> Number {
+        let ty = self.ty();
+        self.registers_of(|emitter, _| emitter.builder.append_block_param(block, ty))
+    }
+
+    pub(super) fn add(&mut self, a: Number, b: Number) -> Number {
+        self.in_each([a, b], |builder, [a, b]| builder.ins().fadd(a, b))
+    }
+
+    pub(super) fn sub(&mut self, a: Number, b: Number) -> Number {
+        self.in_each([a, b], |builder, [a, b]| builder.ins().fsub(a, b))
+    }
+
+    pub(super) fn mul(&mut self, a: Number, b: Number) -> Number {
+        self.in_each([a, b], |builder, [a, b]| builder.ins().fmul(a, b))
+    }
+
+    pub(super) fn div(&mut self, a: Number, b: Number) -> Number {
+        self.in_each([a, b], |builder, [a, b]| builder.ins().fdiv(a, b))
+    }
+
+    fn neg(&mut self, x: Number) -> Number {
+        self.in_each([x], |builder, [x]| builder.ins().fneg(x))
+    }
+
+    /// Whether a comparison holds of each.
+    pub(super) fn compare(&mut self, condition: FloatCC, a: Number, b: Number) -> Number {
+        self.in_each([a, b], |builder, [a, b]| builder.ins().fcmp(condition, a, b))
+    }
+
+    /// Whether both hold; or the bits that both have.
+    pub(super) fn and(&mut self, a: Number, b: Number) -> Number {
+        self.in_each([a, b], |builder, [a, b]| builder.ins().band(a, b))
     }
 
     /// A function of frames that returns nothing.
@@ -106,11 +194,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
     }
 
     /// Lets values be those of an argument.
-    pub(super) fn bind<'v>(
-        &mut self,
-        values: &[Option<Value>],
-        given: impl IntoIterator<Item = &'v ir::Value>,
-    ) {
+    pub(super) fn bind<'v>(&mut self, values: &[Option<Value>], given: impl IntoIterator<Item = &'v Number>) {
         for (value, given) in values.iter().zip(given) {
             if let Some(value) = value {
                 self.know(*value, Known::Computed(*given));
@@ -136,7 +220,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
         self.values[value.number()] = Some(known);
     }
 
-    pub(super) fn value(&mut self, value: Value) -> ir::Value {
+    pub(super) fn value(&mut self, value: Value) -> Number {
         match self.values[value.number()] {
             Some(Known::Computed(computed)) => computed,
             Some(Known::InMemory(address, place)) => {
@@ -149,7 +233,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
         }
     }
 
-    /// The type of a number.
+    /// The type of a register.
     pub(super) fn ty(&self) -> Type {
         if self.wide { types::F64X2 } else { types::F64 }
     }
@@ -169,21 +253,42 @@ impl<'a, 'f> Emitter<'a, 'f> {
     }
 
     /// A number that lasts, or is read before anything is written.
-    pub(super) fn load(&mut self, address: ir::Value, place: usize) -> ir::Value {
+    pub(super) fn load(&mut self, address: ir::Value, place: usize) -> Number {
         let (ty, offset) = (self.ty(), self.offset(place));
-        self.builder.ins().load(ty, Self::lasting(), address, offset)
+        self.load_as(ty, Self::lasting(), address, offset)
     }
 
-    pub(super) fn store_all(&mut self, address: ir::Value, first: usize, numbers: &[ir::Value]) {
-        for (number, place) in numbers.iter().zip(first..) {
-            let offset = self.offset(place);
-            self.builder.ins().store(Self::memory(), *number, address, offset);
+    /// The number whose registers, of this type, stand here.
+    pub(super) fn load_as(
+        &mut self,
+        ty: Type,
+        flags: MemFlagsData,
+        address: ir::Value,
+        offset: i32,
+    ) -> Number {
+        self.registers_of(|emitter, k| emitter.builder.ins().load(ty, flags, address, offset + register(k)))
+    }
+
+    pub(super) fn store(&mut self, number: Number, address: ir::Value, place: usize) {
+        let offset = self.offset(place);
+        for (k, value) in number.registers().iter().enumerate() {
+            self.builder.ins().store(Self::memory(), *value, address, offset + register(k));
         }
     }
 
+    pub(super) fn store_all(&mut self, address: ir::Value, first: usize, numbers: &[Number]) {
+        numbers.iter().zip(first..).for_each(|(number, place)| self.store(*number, address, place));
+    }
+
     /// A constant, in all lanes.
-    pub(super) fn number(&mut self, x: f64) -> ir::Value {
-        if self.wide { self.twice(x) } else { self.scalar(x) }
+    pub(super) fn number(&mut self, x: f64) -> Number {
+        let all = if self.wide { self.twice(x) } else { self.scalar(x) };
+        self.same(all)
+    }
+
+    /// What is in all registers.
+    pub(super) fn same(&mut self, register: ir::Value) -> Number {
+        self.registers_of(|_, _| register)
     }
 
     /// A constant of one lane.
@@ -204,56 +309,51 @@ impl<'a, 'f> Emitter<'a, 'f> {
     }
 
     /// A number of one lane, in all of them.
-    pub(super) fn in_all_lanes(&mut self, number: ir::Value) -> ir::Value {
-        if self.wide { self.builder.ins().splat(types::F64X2, number) } else { number }
+    pub(super) fn in_all_lanes(&mut self, number: ir::Value) -> Number {
+        let all = if self.wide { self.builder.ins().splat(types::F64X2, number) } else { number };
+        self.same(all)
     }
 
     /// `addend + a b`, or `addend − a b`, rounded as the library rounds it.
-    pub(super) fn mul_add(
-        &mut self,
-        negative: bool,
-        a: ir::Value,
-        b: ir::Value,
-        addend: ir::Value,
-    ) -> ir::Value {
+    pub(super) fn mul_add(&mut self, negative: bool, a: Number, b: Number, addend: Number) -> Number {
         if FUSED {
-            let b = if negative { self.builder.ins().fneg(b) } else { b };
-            return self.builder.ins().fma(a, b, addend);
+            let b = if negative { self.neg(b) } else { b };
+            return self.in_each([a, b, addend], |builder, [a, b, addend]| builder.ins().fma(a, b, addend));
         }
-        let product = self.builder.ins().fmul(a, b);
-        match negative {
-            true => self.builder.ins().fsub(addend, product),
-            false => self.builder.ins().fadd(addend, product),
-        }
+        let product = self.mul(a, b);
+        if negative { self.sub(addend, product) } else { self.add(addend, product) }
     }
 
     /// `yes` where the comparison holds.
-    pub(super) fn select(&mut self, condition: ir::Value, yes: ir::Value, no: ir::Value) -> ir::Value {
-        if !self.wide {
-            return self.builder.ins().select(condition, yes, no);
-        }
-        let mask = self.builder.ins().bitcast(types::F64X2, little(), condition);
-        let [mask, yes, no] = [mask, yes, no].map(|x| self.builder.ins().bitcast(types::I64X2, little(), x));
-        let selected = self.builder.ins().bitselect(mask, yes, no);
-        self.builder.ins().bitcast(types::F64X2, little(), selected)
+    pub(super) fn select(&mut self, condition: Number, yes: Number, no: Number) -> Number {
+        let wide = self.wide;
+        self.in_each([condition, yes, no], |builder, [condition, yes, no]| {
+            if !wide {
+                return builder.ins().select(condition, yes, no);
+            }
+            let mask = builder.ins().bitcast(types::F64X2, little(), condition);
+            let [mask, yes, no] = [mask, yes, no].map(|x| builder.ins().bitcast(types::I64X2, little(), x));
+            let selected = builder.ins().bitselect(mask, yes, no);
+            builder.ins().bitcast(types::F64X2, little(), selected)
+        })
     }
 
     /// The lesser of two, of which one that is not a number is none.
-    fn least(&mut self, a: ir::Value, b: ir::Value) -> ir::Value {
-        let is_second = self.builder.ins().fcmp(FloatCC::LessThan, b, a);
+    fn least(&mut self, a: Number, b: Number) -> Number {
+        let is_second = self.compare(FloatCC::LessThan, b, a);
         let least = self.select(is_second, b, a);
-        let is_none = self.builder.ins().fcmp(FloatCC::NotEqual, a, a);
+        let is_none = self.compare(FloatCC::NotEqual, a, a);
         self.select(is_none, b, least)
     }
 
     /// The value of a term.
-    pub(super) fn term(&mut self, term: &Term) -> ir::Value {
+    pub(super) fn term(&mut self, term: &Term) -> Number {
         match term {
             Term::Number(number) => self.number(number.as_emitted()),
             Term::Value(value) => self.value(*value),
             Term::Negative(x) => {
                 let x = self.term(x);
-                self.builder.ins().fneg(x)
+                self.neg(x)
             }
             Term::Sum(addends) => {
                 let mut sum = None;
@@ -261,8 +361,8 @@ impl<'a, 'f> Emitter<'a, 'f> {
                     let addend = self.term(addend);
                     sum = Some(match (sum, negative) {
                         (None, _) => addend,
-                        (Some(sum), false) => self.builder.ins().fadd(sum, addend),
-                        (Some(sum), true) => self.builder.ins().fsub(sum, addend),
+                        (Some(sum), false) => self.add(sum, addend),
+                        (Some(sum), true) => self.sub(sum, addend),
                     });
                 }
                 sum.unwrap_or_else(|| self.number(0.0))
@@ -273,7 +373,7 @@ impl<'a, 'f> Emitter<'a, 'f> {
                     let factor = self.term(factor);
                     product = Some(match product {
                         None => factor,
-                        Some(product) => self.builder.ins().fmul(product, factor),
+                        Some(product) => self.mul(product, factor),
                     });
                 }
                 product.unwrap_or_else(|| self.number(1.0))
@@ -284,19 +384,19 @@ impl<'a, 'f> Emitter<'a, 'f> {
             }
             Term::Quotient(x, y) => {
                 let [x, y] = [x, y].map(|term| self.term(term));
-                self.builder.ins().fdiv(x, y)
+                self.div(x, y)
             }
             Term::Power(x, y) => self.called(Outside::Power, &[x, y]),
             Term::Atan2(y, x) => self.called(Outside::Atan2, &[y, x]),
             Term::Choice([x, yes, no]) => {
                 let [x, yes, no] = [x, yes, no].map(|term| self.term(term));
                 let zero = self.number(0.0);
-                let is_negative = self.builder.ins().fcmp(FloatCC::LessThan, x, zero);
+                let is_negative = self.compare(FloatCC::LessThan, x, zero);
                 self.select(is_negative, yes, no)
             }
             Term::Function(Elementary::Sqrt, x) => {
                 let x = self.term(x);
-                self.builder.ins().sqrt(x)
+                self.in_each([x], |builder, [x]| builder.ins().sqrt(x))
             }
             Term::Function(function, x) => self.called(elementary(*function), &[x]),
         }
@@ -309,50 +409,65 @@ impl<'a, 'f> Emitter<'a, 'f> {
     }
 
     /// A number from outside, of each lane.
-    fn called(&mut self, outside: Outside, operands: &[&Term]) -> ir::Value {
+    fn called(&mut self, outside: Outside, operands: &[&Term]) -> Number {
         let operands: Vec<_> = operands.iter().map(|term| self.term(term)).collect();
         let Some(function) = self.outside(outside) else { return self.number(f64::NAN) };
-        let of = |emitter: &mut Self, operands: &[ir::Value]| {
-            let call = emitter.builder.ins().call(function, operands);
-            emitter.builder.inst_results(call)[0]
-        };
+        self.registers_of(|emitter, k| {
+            let operands: Vec<_> = operands.iter().map(|number| number.registers[k]).collect();
+            let [number] = emitter.in_lanes(&operands, |emitter, operands| {
+                let call = emitter.builder.ins().call(function, operands);
+                [emitter.builder.inst_results(call)[0]]
+            });
+            number
+        })
+    }
+
+    /// What is computed lane by lane of what is in registers, in registers again.
+    fn in_lanes<R: AsMut<[ir::Value]>>(
+        &mut self,
+        registers: &[ir::Value],
+        mut of: impl FnMut(&mut Self, &[ir::Value]) -> R,
+    ) -> R {
         if !self.wide {
-            return of(self, &operands);
+            return of(self, registers);
         }
-        let [first, second] = [0, 1].map(|lane| {
-            let operands: Vec<_> =
-                operands.iter().map(|x| self.builder.ins().extractlane(*x, lane)).collect();
-            of(self, &operands)
+        let [mut first, mut second] = [0, 1].map(|lane| {
+            let lanes: Vec<_> = registers.iter().map(|x| self.builder.ins().extractlane(*x, lane)).collect();
+            of(self, &lanes)
         });
-        let both = self.builder.ins().splat(types::F64X2, first);
-        self.builder.ins().insertlane(both, second, 1)
+        for (first, second) in first.as_mut().iter_mut().zip(second.as_mut()) {
+            let both = self.builder.ins().splat(types::F64X2, *first);
+            *first = self.builder.ins().insertlane(both, *second, 1);
+        }
+        first
     }
 
     /// Whether a comparison holds in all lanes.
-    pub(super) fn all(&mut self, condition: ir::Value) -> ir::Value {
-        if self.wide { self.lanes(condition, 0b11) } else { condition }
-    }
-
-    /// Whether a comparison of two lanes holds in these alone.
-    pub(super) fn lanes(&mut self, condition: ir::Value, which: i64) -> ir::Value {
-        let lanes = self.builder.ins().vhigh_bits(types::I32, condition);
-        self.builder.ins().icmp_imm_s(IntCC::Equal, lanes, which)
+    pub(super) fn all(&mut self, condition: Number) -> ir::Value {
+        let mut all = condition.registers[0];
+        for condition in &condition.registers()[1..] {
+            all = self.builder.ins().band(all, *condition);
+        }
+        if !self.wide {
+            return all;
+        }
+        let lanes = self.builder.ins().vhigh_bits(types::I32, all);
+        self.builder.ins().icmp_imm_s(IntCC::Equal, lanes, 0b11)
     }
 
     /// Stumpff functions, those that are used: of small arguments here, of others by a call.
-    fn stumpff(&mut self, values: &[Option<Value>], z: ir::Value) -> Vec<ir::Value> {
+    fn stumpff(&mut self, values: &[Option<Value>], z: Number) -> Vec<Number> {
         let count = values.len();
         let used: Vec<usize> = (0..count).filter(|k| values[*k].is_some()).collect();
         let [brief, farther, short, far, joined] = std::array::from_fn(|_| self.builder.create_block());
-        let ty = self.ty();
-        used.iter().for_each(|_| _ = self.builder.append_block_param(joined, ty));
+        let given: Vec<_> = used.iter().map(|_| self.parameter(joined)).collect();
         self.builder.set_cold_block(far);
-        let size = self.builder.ins().fabs(z);
+        let size = self.in_each([z], |builder, [z]| builder.ins().fabs(z));
         for (limit, [near, other]) in
             [(stumpff::brief(count), [brief, farther]), (stumpff::SHORT, [short, far])]
         {
             let limit = self.number(limit);
-            let is_near = self.builder.ins().fcmp(FloatCC::LessThan, size, limit);
+            let is_near = self.compare(FloatCC::LessThan, size, limit);
             let is_near = self.all(is_near);
             self.builder.ins().brif(is_near, near, &[], other, &[]);
             self.builder.switch_to_block(other);
@@ -370,18 +485,18 @@ impl<'a, 'f> Emitter<'a, 'f> {
             self.join(joined, &used, &members);
         }
         self.builder.switch_to_block(joined);
-        self.builder.block_params(joined).to_vec()
+        given
     }
 
-    fn join(&mut self, block: ir::Block, used: &[usize], members: &[ir::Value]) {
-        let given: Vec<BlockArg> = used.iter().map(|k| members[*k].into()).collect();
+    fn join(&mut self, block: ir::Block, used: &[usize], members: &[Number]) {
+        let given = block_args(used.iter().map(|k| &members[*k]));
         self.builder.ins().jump(block, &given);
     }
 
     /// Stumpff functions from series of so many quartets, one or two.
-    fn series(&mut self, count: usize, quartets: usize, z: ir::Value) -> Vec<ir::Value> {
-        let z2 = self.builder.ins().fmul(z, z);
-        let z4 = (quartets > 1).then(|| self.builder.ins().fmul(z2, z2));
+    fn series(&mut self, count: usize, quartets: usize, z: Number) -> Vec<Number> {
+        let z2 = self.mul(z, z);
+        let z4 = (quartets > 1).then(|| self.mul(z2, z2));
         let highest = stumpff::highest(count).map(|k| {
             let first = self.quartet(k, z, z2);
             match z4 {
@@ -401,14 +516,14 @@ impl<'a, 'f> Emitter<'a, 'f> {
         members
     }
 
-    fn quartet(&mut self, k: usize, z: ir::Value, z2: ir::Value) -> ir::Value {
+    fn quartet(&mut self, k: usize, z: Number, z2: Number) -> Number {
         let constants = [0, 2, 4, 6].map(|j| self.number(stumpff::inverse_factorial(k + j)));
         let low = self.mul_add(true, z, constants[1], constants[0]);
         let high = self.mul_add(true, z, constants[3], constants[2]);
         self.mul_add(false, z2, high, low)
     }
 
-    fn stumpff_called(&mut self, count: usize, z: ir::Value) -> Vec<ir::Value> {
+    fn stumpff_called(&mut self, count: usize, z: Number) -> Vec<Number> {
         let function = self.outside(Outside::Stumpff).filter(|_| count <= stumpff::MAX);
         let Some(function) = function else {
             self.is_missing = true;
@@ -418,29 +533,29 @@ impl<'a, 'f> Emitter<'a, 'f> {
         let slot =
             self.builder.create_sized_stack_slot(StackSlotData::new(StackSlotKind::ExplicitSlot, size, 3));
         let pointer = self.pointer;
-        let of = |emitter: &mut Self, z: ir::Value| -> Vec<ir::Value> {
+        let of = |emitter: &mut Self, z: &[ir::Value]| -> Vec<ir::Value> {
             let count_of = emitter.builder.ins().iconst(pointer, count as i64);
             let address = emitter.builder.ins().stack_addr(pointer, slot, 0);
-            emitter.builder.ins().call(function, &[count_of, z, address]);
+            emitter.builder.ins().call(function, &[count_of, z[0], address]);
             (0..count)
                 .map(|k| {
                     emitter.builder.ins().stack_load(pointer, types::F64, slot, (k * size_of::<f64>()) as i32)
                 })
                 .collect()
         };
-        if !self.wide {
-            return of(self, z);
-        }
-        let [first, second] = [0, 1].map(|lane| {
-            let z = self.builder.ins().extractlane(z, lane);
-            of(self, z)
-        });
-        let both = first.into_iter().zip(second).map(|(first, second)| {
-            let both = self.builder.ins().splat(types::F64X2, first);
-            self.builder.ins().insertlane(both, second, 1)
-        });
-        both.collect()
+        let registers: Vec<_> = z.registers().iter().map(|z| self.in_lanes(&[*z], of)).collect();
+        (0..count).map(|member| self.registers_of(|_, k| registers[k][member])).collect()
     }
+}
+
+/// Where a register stands after the first.
+const fn register(k: usize) -> i32 {
+    (k * 2 * size_of::<f64>()) as i32
+}
+
+/// What blocks are given: all registers.
+pub(super) fn block_args<'n>(numbers: impl IntoIterator<Item = &'n Number>) -> Vec<BlockArg> {
+    numbers.into_iter().flat_map(Number::registers).map(|register| (*register).into()).collect()
 }
 
 fn little() -> MemFlagsData {

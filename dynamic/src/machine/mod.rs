@@ -12,7 +12,7 @@ mod outside;
 use std::collections::HashMap;
 use std::sync::{Arc, LazyLock, Mutex, OnceLock, PoisonError};
 
-use coadjoint::erased::dynamic::{LANES, Layout, March, Marching, StepFunction, row_length};
+use coadjoint::erased::dynamic::{FEW, LANES, Layout, March, Marching, StepFunction, row_length};
 use coadjoint_codegen::program::{Function, Module, Program, StepRole};
 use cranelift_codegen::ir::{self, AbiParam, Signature};
 use cranelift_codegen::isa::OwnedTargetIsa;
@@ -54,7 +54,7 @@ fn is_here() -> bool {
 }
 
 /// How many members functions may be for.
-const MEMBERS: [usize; 3] = [1, 2, LANES];
+const MEMBERS: [usize; 3] = [1, FEW, LANES];
 
 /// A step's functions, compiled when they are needed.
 pub(crate) struct Machine {
@@ -67,7 +67,7 @@ pub(crate) struct Machine {
     marches: Mutex<Marches>,
 }
 
-/// What takes many steps at a time, of one alone or of it and another one, with one member or with two.
+/// What takes many steps at a time, of one alone or of it and another one, with so many members.
 type Marches = HashMap<(Option<usize>, usize), Option<March>>;
 
 /// Functions that are compiled.
@@ -118,30 +118,17 @@ impl Machine {
         true
     }
 
-    /// The same on two frames side by side.
-    pub(crate) fn call_two(&self, function: StepFunction, frame: &mut [[f64; 2]]) -> bool {
-        let Some(functions) = self.functions(function, 2) else { return false };
-        if frame.len() < self.layout.scratch {
-            return false;
-        }
-        if let Some(call) = functions.calls[function as usize] {
-            // SAFETY: it reads and writes places of the layout alone
-            unsafe { call(frame.as_mut_ptr().cast()) };
-        }
-        true
-    }
-
-    /// The same on many frames side by side, two at a time.
-    pub(crate) fn call_wide(&self, function: StepFunction, frame: &mut [[f64; LANES]]) -> bool {
-        let Some(functions) = self.functions(function, LANES) else { return false };
+    /// The same on frames side by side, [`FEW`] at a time.
+    pub(crate) fn call_wide<const L: usize>(&self, function: StepFunction, frame: &mut [[f64; L]]) -> bool {
+        let Some(functions) = self.functions(function, L) else { return false };
         if frame.len() < self.layout.scratch {
             return false;
         }
         if let Some(call) = functions.calls[function as usize] {
             let first: *mut f64 = frame.as_mut_ptr().cast();
-            for pair in 0..LANES / 2 {
-                // SAFETY: it reads and writes two lanes of places of the layout alone
-                unsafe { call(first.add(2 * pair)) };
+            for some in 0..L / FEW {
+                // SAFETY: it reads and writes so many lanes of places of the layout alone
+                unsafe { call(first.add(FEW * some)) };
             }
         }
         true

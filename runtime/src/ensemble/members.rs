@@ -204,9 +204,9 @@ macro_rules! sides {
     };
 }
 #[cfg(all(feature = "dynamic", target_arch = "x86_64"))]
-sides!(Lanes<f64, 32, Avx2>);
+sides!(Lanes<f64, 4, Portable>, Lanes<f64, 32, Avx2>);
 #[cfg(all(feature = "dynamic", not(target_arch = "x86_64")))]
-sides!(f64, Lanes<f64, 2, Portable>, Lanes<f64, 32, Portable>);
+sides!(f64, Lanes<f64, 32, Portable>);
 #[cfg(target_arch = "x86_64")]
 sides!(f64, f32, Lanes<f64, 2, Portable>, Lanes<f64, 4, Avx2>, Lanes<f32, 8, Avx2>, Lanes<f64, 8, Avx512>, Lanes<f32, 16, Avx512>);
 #[cfg(not(target_arch = "x86_64"))]

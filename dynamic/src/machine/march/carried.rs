@@ -6,6 +6,7 @@ use coadjoint::erased::dynamic::Marching;
 use coadjoint_codegen::program::{Input, StepProgram, StepRole};
 use cranelift_codegen::ir::{self, Block, BlockArg, InstBuilder, types};
 
+use super::super::emit::{Number, block_args};
 use super::{March, Stage};
 
 /// What a stage remembers, as it is carried from step to step: parameters of a block.
@@ -16,12 +17,13 @@ pub(super) struct Remembered {
     /// Iterations more than one a step: all, and in one at most. Of Newton's method.
     pub(super) more: Vec<ir::Value>,
     /// Where the solutions point.
-    pub(super) next: Vec<ir::Value>,
+    pub(super) next: Vec<Number>,
 }
 
 impl Remembered {
-    pub(super) fn all(&self) -> impl Iterator<Item = ir::Value> + '_ {
-        std::iter::once(self.oldest).chain(self.more.iter().chain(&self.next).copied())
+    fn all(&self) -> impl Iterator<Item = BlockArg> + '_ {
+        let first = std::iter::once(&self.oldest).chain(&self.more).map(|value| BlockArg::from(*value));
+        first.chain(block_args(&self.next))
     }
 }
 
@@ -36,15 +38,15 @@ pub(super) struct Carried {
     /// Zero, always: nobody knows, so that what is read where it is needed is not read once and kept for all steps.
     pub(super) nothing: ir::Value,
     /// Components of the state that the equation waits for: what goes through memory takes longer.
-    pub(super) state: Vec<ir::Value>,
+    pub(super) state: Vec<Number>,
     pub(super) stages: Vec<Remembered>,
 }
 
 impl Carried {
     pub(super) fn all(&self) -> Vec<BlockArg> {
         let first = [self.steps, self.at, self.to, self.nothing];
-        let first = first.iter().chain(&self.state).copied();
-        first.chain(self.stages.iter().flat_map(Remembered::all)).map(BlockArg::from).collect()
+        let first = first.map(BlockArg::from).into_iter().chain(block_args(&self.state));
+        first.chain(self.stages.iter().flat_map(Remembered::all)).collect()
     }
 }
 
@@ -87,15 +89,14 @@ impl March<'_, '_, '_> {
 
     /// Parameters of a block like these.
     fn parameters(&mut self, block: Block, like: &[Remembered]) -> Vec<Remembered> {
-        let builder = &mut self.e.builder;
-        let mut like_this = |value: &ir::Value| {
-            let ty = builder.func.dfg.value_type(*value);
-            builder.append_block_param(block, ty)
-        };
         let of = |remembered: &Remembered| Remembered {
-            oldest: like_this(&remembered.oldest),
-            more: remembered.more.iter().map(&mut like_this).collect(),
-            next: remembered.next.iter().map(&mut like_this).collect(),
+            oldest: self.e.builder.append_block_param(block, types::I64),
+            more: remembered
+                .more
+                .iter()
+                .map(|_| self.e.builder.append_block_param(block, types::I64))
+                .collect(),
+            next: remembered.next.iter().map(|_| self.e.parameter(block)).collect(),
         };
         like.iter().map(of).collect()
     }
@@ -104,8 +105,7 @@ impl March<'_, '_, '_> {
         let pointer = self.e.pointer;
         let [steps, at, to, nothing] =
             [types::I64, pointer, pointer, pointer].map(|ty| self.e.builder.append_block_param(block, ty));
-        let ty = self.e.ty();
-        let state = like.state.iter().map(|_| self.e.builder.append_block_param(block, ty)).collect();
+        let state = like.state.iter().map(|_| self.e.parameter(block)).collect();
         Carried { steps, at, to, nothing, state, stages: self.parameters(block, &like.stages) }
     }
 
@@ -119,8 +119,8 @@ impl March<'_, '_, '_> {
     /// What the end is told that leaves this stage to the solver.
     pub(super) fn leave(&mut self, _: &Exit, carried: &Carried, stage: usize) -> Vec<BlockArg> {
         let halted = self.e.builder.ins().iconst(types::I64, stage as i64);
-        let first = [carried.steps, halted, carried.at].into_iter();
-        first.chain(carried.stages.iter().flat_map(Remembered::all)).map(BlockArg::from).collect()
+        let first = [carried.steps, halted, carried.at].map(BlockArg::from).into_iter();
+        first.chain(carried.stages.iter().flat_map(Remembered::all)).collect()
     }
 
     /// The end: all is where the solver finds it.
@@ -135,7 +135,7 @@ impl March<'_, '_, '_> {
                 self.put(stage, field!(most_more), most);
             }
             let next = self.stages[stage].next;
-            remembered.next.iter().enumerate().for_each(|(i, value)| self.write(next, i, *value));
+            self.e.store_all(next, 0, &remembered.next);
         }
         let Stage { frame, layout, .. } = self.stages[0];
         let state: Vec<_> = (0..layout.state.len()).map(|i| self.read(exit.at, i)).collect();

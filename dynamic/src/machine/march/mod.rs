@@ -22,7 +22,7 @@ use cranelift_module::FuncId;
 
 use self::carried::{Carried, Exit, awaited};
 use super::Compiler;
-use super::emit::{Arrays, Emitter};
+use super::emit::{Arrays, Emitter, Number, block_args};
 
 /// The function of these stages.
 pub(super) fn defined(compiler: &mut Compiler, stages: &[(&StepProgram, &Layout)]) -> Option<FuncId> {
@@ -40,7 +40,7 @@ fn numbers<const N: usize>(name: &str) -> [f64; N] {
 struct March<'a, 'e, 'f> {
     e: &'a mut Emitter<'e, 'f>,
     stages: Vec<Stage<'a>>,
-    /// What was carried before a step of two members: all of it is left where one of its stages is, for it may fail for one of them alone.
+    /// What was carried before a step of several members: all of it is left where one of its stages is, for it may fail for one of them alone.
     before: Option<Carried>,
 }
 
@@ -56,7 +56,7 @@ struct Stage<'a> {
     ring: ir::Value,
     /// Where it puts where the solutions point.
     next: ir::Value,
-    tolerance: ir::Value,
+    tolerance: Number,
     /// The address of the weights that continue the solutions.
     weights: ir::Value,
     /// What functions are given.
@@ -66,20 +66,20 @@ struct Stage<'a> {
 #[derive(Default)]
 struct Given {
     state: State,
-    time: Vec<ir::Value>,
-    unknown: Vec<ir::Value>,
-    residual: Vec<ir::Value>,
-    right: Vec<ir::Value>,
-    step: Vec<ir::Value>,
-    iterate: Vec<ir::Value>,
+    time: Vec<Number>,
+    unknown: Vec<Number>,
+    residual: Vec<Number>,
+    right: Vec<Number>,
+    step: Vec<Number>,
+    iterate: Vec<Number>,
 }
 
 /// A state: numbers, or from this address on.
 #[derive(Clone)]
 enum State {
-    Numbers(Vec<ir::Value>),
+    Numbers(Vec<Number>),
     /// But for some, which are there.
-    At(ir::Value, Vec<(usize, ir::Value)>),
+    At(ir::Value, Vec<(usize, Number)>),
 }
 
 impl Default for State {
@@ -88,7 +88,7 @@ impl Default for State {
     }
 }
 
-impl<'a> March<'a, '_, '_> {
+impl<'a, 'e, 'f> March<'a, 'e, 'f> {
     fn get(&mut self, stage: usize, ty: ir::Type, offset: i32) -> ir::Value {
         let marching = self.stages[stage].marching;
         self.e.builder.ins().load(ty, Emitter::memory(), marching, offset)
@@ -107,7 +107,9 @@ impl<'a> March<'a, '_, '_> {
             let offset = (place * size_of::<Marching>()) as i64;
             let marching = self.e.builder.ins().iadd_imm_s(first, offset);
             let (frame, given) = (first, Given::default());
-            let [constant, ring, next, tolerance, weights] = [frame; 5];
+            let [constant, ring, next, weights] = [frame; 4];
+            let (memory, ty) = (Emitter::memory(), self.e.ty());
+            let tolerance = self.e.load_as(ty, memory, marching, field!(tolerance));
             self.stages.push(Stage {
                 step,
                 layout,
@@ -122,10 +124,8 @@ impl<'a> March<'a, '_, '_> {
             });
             let [frame, ring, next, weights] = [field!(frame), field!(ring), field!(next), field!(weights)]
                 .map(|at| self.get(place, pointer, at));
-            let tolerance = self.get(place, self.e.ty(), field!(tolerance));
             let stage = &mut self.stages[place];
-            (stage.frame, stage.ring, stage.next) = (frame, ring, next);
-            (stage.tolerance, stage.weights) = (tolerance, weights);
+            (stage.frame, stage.ring, stage.next, stage.weights) = (frame, ring, next, weights);
         }
     }
 
@@ -212,7 +212,7 @@ impl<'a> March<'a, '_, '_> {
     /// A branch that leaves a stage to the solver where the condition does not hold, after what `before` does.
     fn check(
         &mut self,
-        good: ir::Value,
+        good: Number,
         stage: usize,
         carried: &Carried,
         exit: &Exit,
@@ -257,7 +257,7 @@ impl<'a> March<'a, '_, '_> {
     }
 
     /// The stage from its state: the next one. What it remembers is carried on.
-    fn stage(&mut self, stage: usize, carried: &mut Carried, exit: &Exit) -> Vec<ir::Value> {
+    fn stage(&mut self, stage: usize, carried: &mut Carried, exit: &Exit) -> Vec<Number> {
         let Stage { step, layout, .. } = self.stages[stage];
         let (is_newton, unknowns) = (step.is_newton, layout.unknown.len());
         self.may_get_lost(stage, carried, exit);
@@ -267,7 +267,7 @@ impl<'a> March<'a, '_, '_> {
         let mut start = Vec::new();
         if is_newton {
             start = self.function(stage, StepRole::Start).concat();
-            point = self.each(&start, &point, |e, start, apart| e.builder.ins().fadd(start, apart));
+            point = self.each(&start, &point, Emitter::add);
         }
         let mut more = None;
         self.stages[stage].given.unknown = point;
@@ -282,7 +282,7 @@ impl<'a> March<'a, '_, '_> {
         let unknown = self.stages[stage].given.unknown.clone();
         let mut kept = unknown.clone();
         if is_newton {
-            kept = self.each(&unknown, &start, |e, unknown, start| e.builder.ins().fsub(unknown, start));
+            kept = self.each(&unknown, &start, Emitter::sub);
         }
         let (next, good) = self.finish(stage);
         if let Some(good) = good {
@@ -299,7 +299,7 @@ impl<'a> March<'a, '_, '_> {
         if let (Some(more), [all, most]) = (more, &before.more[..]) {
             let pointer = self.e.pointer;
             let solution = self.get(stage, pointer, field!(solution));
-            unknown.iter().enumerate().for_each(|(i, value)| self.write(solution, i, *value));
+            self.e.store_all(solution, 0, &unknown);
             carried.stages[stage].more =
                 vec![self.e.builder.ins().iadd(*all, more), self.e.builder.ins().umax(*most, more)];
         }
@@ -307,7 +307,7 @@ impl<'a> March<'a, '_, '_> {
     }
 
     /// The state after a step, and whether all is well with it, if anything may not be.
-    fn finish(&mut self, stage: usize) -> (Vec<ir::Value>, Option<ir::Value>) {
+    fn finish(&mut self, stage: usize) -> (Vec<Number>, Option<Number>) {
         let step = self.stages[stage].step;
         let next = self.function(stage, StepRole::Finish).concat();
         let bounded = step.bounded.iter().chain(std::iter::repeat(&false));
@@ -317,10 +317,10 @@ impl<'a> March<'a, '_, '_> {
         if step.module.function(StepRole::Domain).is_some() {
             let zero = self.e.number(0.0);
             for margin in self.function(stage, StepRole::Domain).concat() {
-                checks.push(self.e.builder.ins().fcmp(FloatCC::LessThan, zero, margin));
+                checks.push(self.e.compare(FloatCC::LessThan, zero, margin));
             }
         }
-        (next, checks.into_iter().reduce(|a, b| self.e.builder.ins().band(a, b)))
+        (next, checks.into_iter().reduce(|a, b| self.e.and(a, b)))
     }
 
     /// One iteration, which changes the unknown by little, or the solver goes on from it.
@@ -330,16 +330,16 @@ impl<'a> March<'a, '_, '_> {
         for block in self.blocks(stage) {
             let [mut change, mut size] = [None; 2];
             for i in block {
-                let moved = self.e.builder.ins().fsub(unknown[i], point[i]);
+                let moved = self.e.sub(unknown[i], point[i]);
                 change = Some(self.and_magnitude(change, moved));
                 size = Some(self.and_magnitude(size, unknown[i]));
             }
             let (Some(change), Some(size)) = (change, size) else { continue };
-            let bound = self.e.builder.ins().fmul(self.stages[stage].tolerance, size);
-            let is_within = self.e.builder.ins().fcmp(FloatCC::LessThanOrEqual, change, bound);
+            let bound = self.e.mul(self.stages[stage].tolerance, size);
+            let is_within = self.e.compare(FloatCC::LessThanOrEqual, change, bound);
             within = Some(match within {
                 None => is_within,
-                Some(all) => self.e.builder.ins().band(all, is_within),
+                Some(all) => self.e.and(all, is_within),
             });
         }
         if let Some(within) = within {
@@ -354,27 +354,24 @@ impl<'a> March<'a, '_, '_> {
         let guess = self.stages[stage].given.unknown.clone();
         let [again, on, not_yet, halt] = std::array::from_fn(|_| self.e.builder.create_block());
         let more = self.e.builder.append_block_param(again, types::I64);
-        let ty = self.e.ty();
-        let last = self.e.builder.append_block_param(again, ty);
-        let point: Vec<_> = guess.iter().map(|_| self.e.builder.append_block_param(again, ty)).collect();
+        let last = self.e.parameter(again);
+        let point: Vec<_> = guess.iter().map(|_| self.e.parameter(again)).collect();
         let zero = self.e.builder.ins().iconst(types::I64, 0);
         let far = self.e.number(numbers::<1>("FAR")[0]);
-        let first: Vec<BlockArg> = [zero, far].iter().chain(&guess).map(|x| (*x).into()).collect();
+        let first = [vec![zero.into()], block_args(std::iter::once(&far).chain(&guess))].concat();
         self.e.builder.ins().jump(again, &first);
         self.e.builder.switch_to_block(again);
         self.stages[stage].given.unknown = point;
         let (point, unknown) = self.iteration(stage);
         let now = self.change(stage, &point, &unknown);
         let left = self.e.number(numbers::<1>("LEFT")[0] * f64::EPSILON);
-        let (mut square, mut bound) =
-            (self.e.builder.ins().fmul(now, now), self.e.builder.ins().fmul(left, last));
+        let (mut square, mut bound) = (self.e.mul(now, now), self.e.mul(left, last));
         if self.stages[stage].step.has_true_jacobian {
-            (square, bound) =
-                (self.e.builder.ins().fmul(square, now), self.e.builder.ins().fmul(bound, last));
+            (square, bound) = (self.e.mul(square, now), self.e.mul(bound, last));
         }
-        let is_small = self.e.builder.ins().fcmp(FloatCC::LessThanOrEqual, now, tolerance);
-        let contracts = self.e.builder.ins().fcmp(FloatCC::LessThanOrEqual, square, bound);
-        let is_last = self.e.builder.ins().band(is_small, contracts);
+        let is_small = self.e.compare(FloatCC::LessThanOrEqual, now, tolerance);
+        let contracts = self.e.compare(FloatCC::LessThanOrEqual, square, bound);
+        let is_last = self.e.and(is_small, contracts);
         let are_last = self.e.all(is_last);
         self.e.builder.ins().brif(are_last, on, &[], not_yet, &[]);
         self.e.builder.switch_to_block(not_yet);
@@ -387,7 +384,7 @@ impl<'a> March<'a, '_, '_> {
                 *next = self.e.select(is_last, *before, *next);
             }
         }
-        let next: Vec<BlockArg> = std::iter::once(&one_more).chain(&next).map(|x| (*x).into()).collect();
+        let next = [vec![BlockArg::from(one_more)], block_args(&next)].concat();
         self.e.builder.ins().brif(are_enough, halt, &[], again, &next);
         self.e.builder.switch_to_block(halt);
         self.halt(stage, carried, exit, |_| ());
@@ -397,7 +394,7 @@ impl<'a> March<'a, '_, '_> {
     }
 
     /// Gives the solver an iterate to go on from.
-    fn hand_on(&mut self, stage: usize, unknown: &[ir::Value]) {
+    fn hand_on(&mut self, stage: usize, unknown: &[Number]) {
         let Stage { frame, layout, .. } = self.stages[stage];
         self.e.store_all(frame, layout.out.start, unknown);
         let one = self.e.builder.ins().iconst(types::I64, 1);
@@ -405,7 +402,7 @@ impl<'a> March<'a, '_, '_> {
     }
 
     /// An iteration: where it starts, and where it leads to.
-    fn iteration(&mut self, stage: usize) -> (Vec<ir::Value>, Vec<ir::Value>) {
+    fn iteration(&mut self, stage: usize) -> (Vec<Number>, Vec<Number>) {
         self.evaluate(stage);
         let Stage { step, given, .. } = &self.stages[stage];
         let (point, is_newton) = (given.unknown.clone(), step.is_newton && step.has_true_jacobian);
@@ -413,7 +410,7 @@ impl<'a> March<'a, '_, '_> {
             return (point, self.function(stage, StepRole::FixedPointUpdate).concat());
         }
         let correction = self.function(stage, StepRole::Correction).concat();
-        let next = self.each(&point, &correction, |e, point, by| e.builder.ins().fsub(point, by));
+        let next = self.each(&point, &correction, Emitter::sub);
         (point, next)
     }
 
@@ -474,22 +471,18 @@ impl<'a> March<'a, '_, '_> {
         }
         results
     }
+
     fn each(
         &mut self,
-        a: &[ir::Value],
-        b: &[ir::Value],
-        of: impl Fn(&mut Emitter<'_, '_>, ir::Value, ir::Value) -> ir::Value,
-    ) -> Vec<ir::Value> {
+        a: &[Number],
+        b: &[Number],
+        of: impl Fn(&mut Emitter<'e, 'f>, Number, Number) -> Number,
+    ) -> Vec<Number> {
         a.iter().zip(b).map(|(a, b)| of(self.e, *a, *b)).collect()
     }
 
-    fn read(&mut self, address: ir::Value, i: usize) -> ir::Value {
+    fn read(&mut self, address: ir::Value, i: usize) -> Number {
         let (ty, offset) = (self.e.ty(), self.e.offset(i));
-        self.e.builder.ins().load(ty, Emitter::memory(), address, offset)
-    }
-
-    fn write(&mut self, address: ir::Value, i: usize, value: ir::Value) {
-        let offset = self.e.offset(i);
-        self.e.builder.ins().store(Emitter::memory(), value, address, offset);
+        self.e.load_as(ty, Emitter::memory(), address, offset)
     }
 }

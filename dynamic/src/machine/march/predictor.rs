@@ -3,6 +3,7 @@
 use coadjoint::erased::dynamic::row_length;
 use cranelift_codegen::ir::{self, InstBuilder, types};
 
+use super::super::emit::Number;
 use super::{Emitter, March, Stage, numbers};
 
 /// How many solutions are remembered: a power of two.
@@ -15,8 +16,7 @@ impl March<'_, '_, '_> {
     /// The address of the solution so many steps before the next.
     fn row(&mut self, stage: usize, oldest: ir::Value, back: usize) -> ir::Value {
         let Stage { ring, layout, .. } = self.stages[stage];
-        let members = if self.e.wide { 2 } else { 1 };
-        let bytes = row_length(layout.unknown.len(), members) * size_of::<f64>();
+        let bytes = row_length(layout.unknown.len(), self.e.members) * size_of::<f64>();
         let builder = &mut self.e.builder;
         let offset = if bytes.is_power_of_two() {
             let scaled = builder.ins().ishl_imm_u(oldest, i64::from(bytes.trailing_zeros()));
@@ -30,7 +30,7 @@ impl March<'_, '_, '_> {
         builder.ins().iadd(ring, offset)
     }
 
-    /// The components of an unknown, each of both members, or of one member two at a time as far as there are two.
+    /// The components of an unknown, each of all members, or of one member two at a time as far as there are two.
     fn pieces(&self, stage: usize) -> Vec<(usize, ir::Type)> {
         let unknowns = self.stages[stage].layout.unknown.len();
         if self.e.wide {
@@ -41,20 +41,22 @@ impl March<'_, '_, '_> {
     }
 
     /// Takes the solution of this step.
-    pub(super) fn keep(&mut self, stage: usize, oldest: ir::Value, kept: &[ir::Value]) {
+    pub(super) fn keep(&mut self, stage: usize, oldest: ir::Value, kept: &[Number]) {
         let row = self.row(stage, oldest, WINDOW);
         for (i, ty) in self.pieces(stage) {
             let mut piece = kept[i];
             if ty != self.e.ty() {
-                let first = self.e.builder.ins().scalar_to_vector(ty, kept[i]);
-                piece = self.e.builder.ins().insertlane(first, kept[i + 1], 1);
+                piece = self.e.in_each([piece, kept[i + 1]], |builder, [first, second]| {
+                    let first = builder.ins().scalar_to_vector(ty, first);
+                    builder.ins().insertlane(first, second, 1)
+                });
             }
-            self.write(row, i, piece);
+            self.e.store(piece, row, i);
         }
     }
 
     /// Where the solutions point, of which this is the latest.
-    pub(super) fn then(&mut self, stage: usize, oldest: ir::Value, kept: &[ir::Value]) -> Vec<ir::Value> {
+    pub(super) fn then(&mut self, stage: usize, oldest: ir::Value, kept: &[Number]) -> Vec<Number> {
         // a step from now the solutions are one place newer
         let is_newton = self.stages[stage].step.is_newton;
         let used: Vec<usize> = match is_newton {
@@ -71,47 +73,53 @@ impl March<'_, '_, '_> {
             // none of them is the one that this step writes over
             let at = |(j, row): &(usize, ir::Value)| {
                 let offset = self.e.offset(i);
-                (*j, self.e.builder.ins().load(ty, Emitter::lasting(), *row, offset))
+                (*j, self.e.load_as(ty, Emitter::lasting(), *row, offset))
             };
             let at: Vec<_> = rows.iter().map(at).collect();
             let begun = if is_newton { self.eighth(ty, &at) } else { self.earlier(stage, ty, &at) };
             let lanes = if ty == self.e.ty() { 1 } else { 2 };
             for lane in 0..lanes {
-                let begun = if lanes == 2 { self.e.builder.ins().extractlane(begun, lane) } else { begun };
-                let product = self.e.builder.ins().fmul(latest, kept[i + usize::from(lane)]);
-                then.push(self.e.builder.ins().fadd(begun, product));
+                let begun = match lanes {
+                    2 => self.e.in_each([begun], |builder, [both]| builder.ins().extractlane(both, lane)),
+                    _ => begun,
+                };
+                let product = self.e.mul(latest, kept[i + usize::from(lane)]);
+                then.push(self.e.add(begun, product));
             }
         }
         then
     }
 
     /// One of the weights that continue the solutions, of this stage.
-    fn weight(&mut self, stage: usize, ty: ir::Type, k: usize) -> ir::Value {
-        let (address, one, offset) = (self.stages[stage].weights, self.e.ty(), self.e.offset(k));
-        let weight = self.e.builder.ins().load(one, Emitter::lasting(), address, offset);
-        if ty == one { weight } else { self.e.builder.ins().splat(ty, weight) }
+    fn weight(&mut self, stage: usize, ty: ir::Type, k: usize) -> Number {
+        let weight = self.e.load(self.stages[stage].weights, k);
+        if ty == self.e.ty() {
+            return weight;
+        }
+        self.e.in_each([weight], |builder, [weight]| builder.ins().splat(ty, weight))
     }
 
-    fn constant(&mut self, ty: ir::Type, x: f64) -> ir::Value {
-        if ty == types::F64X2 { self.e.twice(x) } else { self.e.scalar(x) }
+    fn constant(&mut self, ty: ir::Type, x: f64) -> Number {
+        let register = if ty == types::F64X2 { self.e.twice(x) } else { self.e.scalar(x) };
+        self.e.same(register)
     }
 
-    fn times(&mut self, ty: ir::Type, a: f64, x: ir::Value) -> ir::Value {
+    fn times(&mut self, ty: ir::Type, a: f64, x: Number) -> Number {
         let a = self.constant(ty, a);
-        self.e.builder.ins().fmul(a, x)
+        self.e.mul(a, x)
     }
 
-    fn plus(&mut self, ty: ir::Type, to: ir::Value, a: f64, x: ir::Value) -> ir::Value {
+    fn plus(&mut self, ty: ir::Type, to: Number, a: f64, x: Number) -> Number {
         let a = self.constant(ty, a);
         self.e.mul_add(false, a, x, to)
     }
 
     /// `eighth` of the solver's predictor.
-    fn eighth(&mut self, ty: ir::Type, at: &[(usize, ir::Value)]) -> ir::Value {
+    fn eighth(&mut self, ty: ir::Type, at: &[(usize, Number)]) -> Number {
         let [b0, b1, b2, b3] = numbers("BINOMIAL");
         let sum = |e: &mut Emitter<'_, '_>, i, j| {
             let [a, b] = [i, j].map(|j| found(at, j));
-            e.builder.ins().fadd(a, b)
+            e.add(a, b)
         };
         let inner = self.times(ty, b3, found(at, 4));
         let both = sum(self.e, 3, 5);
@@ -119,33 +127,33 @@ impl March<'_, '_, '_> {
         let outer = self.times(ty, b0, found(at, 7));
         let both = sum(self.e, 2, 6);
         let outer = self.plus(ty, outer, b1, both);
-        let outer = self.e.builder.ins().fsub(outer, found(at, 8));
-        self.e.builder.ins().fadd(inner, outer)
+        let outer = self.e.sub(outer, found(at, 8));
+        self.e.add(inner, outer)
     }
 
     /// `earlier` of the solver's predictor.
-    fn earlier(&mut self, stage: usize, ty: ir::Type, at: &[(usize, ir::Value)]) -> ir::Value {
+    fn earlier(&mut self, stage: usize, ty: ir::Type, at: &[(usize, Number)]) -> Number {
         let [w0, w1, w2, w3, w4] = std::array::from_fn(|k| self.weight(stage, ty, k));
         let difference = |e: &mut Emitter<'_, '_>, pair: usize| {
             let j = PAIRS[pair];
             let [a, b] = [j, WINDOW - j].map(|j| found(at, j));
-            e.builder.ins().fsub(a, b)
+            e.sub(a, b)
         };
         let fourth = difference(self.e, 4);
-        let inner = self.e.builder.ins().fmul(w4, fourth);
+        let inner = self.e.mul(w4, fourth);
         let third = difference(self.e, 3);
         let inner = self.e.mul_add(false, w3, third, inner);
         let second = difference(self.e, 2);
-        let outer = self.e.builder.ins().fmul(w2, second);
+        let outer = self.e.mul(w2, second);
         let first = difference(self.e, 1);
         let outer = self.e.mul_add(false, w1, first, outer);
         let last = self.e.mul_add(true, w0, found(at, WINDOW - PAIRS[0]), found(at, WINDOW));
-        let both = self.e.builder.ins().fadd(inner, outer);
-        self.e.builder.ins().fadd(last, both)
+        let both = self.e.add(inner, outer);
+        self.e.add(last, both)
     }
 }
 
 /// The solution so many steps before.
-fn found(at: &[(usize, ir::Value)], j: usize) -> ir::Value {
+fn found(at: &[(usize, Number)], j: usize) -> Number {
     at.iter().find(|(known, _)| *known == j).map_or(at[0].1, |(_, value)| *value)
 }

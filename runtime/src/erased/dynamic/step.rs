@@ -6,7 +6,7 @@ use std::vec::Vec;
 
 use crate::erased::jacobian::Jacobian;
 use crate::retraction::RetractionKind;
-use crate::scalar::simd::frame::{Framed, LANES, Two, Wide};
+use crate::scalar::simd::frame::{FEW, Few, Framed, LANES, Wide};
 use crate::scalar::simd::march::March;
 use crate::scheme::Rule;
 
@@ -37,8 +37,8 @@ pub trait StepFunctions: Send + Sync + 'static {
     fn call(&self, function: StepFunction, frame: &mut [f64]);
     /// Calls a function on several frames, number by number side by side. In each lane the result is that of the lane alone, bit for bit.
     fn call_wide(&self, function: StepFunction, frame: &mut [[f64; LANES]]);
-    /// Calls a function on two frames, in the same way.
-    fn call_two(&self, function: StepFunction, frame: &mut [[f64; 2]]);
+    /// Calls a function on fewer frames, in the same way.
+    fn call_few(&self, function: StepFunction, frame: &mut [[f64; FEW]]);
     /// Whether there may be machine code that takes many steps at a time, as long as they are as most are.
     fn has_march(&self) -> bool {
         false
@@ -47,8 +47,8 @@ pub trait StepFunctions: Send + Sync + 'static {
     fn march(&self, _then: Option<usize>) -> Option<March> {
         None
     }
-    /// The same of two members side by side, if there is a fixed-point iteration.
-    fn march_two(&self, _then: Option<usize>) -> Option<March> {
+    /// The same of [`FEW`] members side by side.
+    fn march_few(&self, _then: Option<usize>) -> Option<March> {
         None
     }
 }
@@ -220,9 +220,9 @@ impl Called for f64 {
     }
 }
 
-impl Called for Two {
-    fn call(functions: &dyn StepFunctions, function: StepFunction, frame: &mut [[f64; 2]]) {
-        functions.call_two(function, frame);
+impl Called for Few {
+    fn call(functions: &dyn StepFunctions, function: StepFunction, frame: &mut [[f64; FEW]]) {
+        functions.call_few(function, frame);
     }
 
     fn has_march(functions: &dyn StepFunctions) -> bool {
@@ -230,7 +230,7 @@ impl Called for Two {
     }
 
     fn march(functions: &dyn StepFunctions, then: Option<usize>) -> Option<March> {
-        functions.march_two(then)
+        functions.march_few(then)
     }
 }
 

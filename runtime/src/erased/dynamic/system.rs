@@ -25,7 +25,7 @@ use crate::flat::{Method, NotGenerated};
 use crate::inertia::{require_finite, require_positive_definite, require_symmetric, symmetrize};
 use crate::legendre::{self, LegendreError};
 use crate::retraction::RetractionKind;
-use crate::scalar::simd::frame::{Two, Wide, has_lanes};
+use crate::scalar::simd::frame::{Few, Wide, has_lanes};
 use crate::scheme::Rule;
 use crate::schemes::Scheme;
 use crate::system::{Description, Kind, Quantity, Role, Side, Stored, larger};
@@ -417,7 +417,7 @@ impl System for DynamicSystem {
 }
 
 impl EnsembleSystem for DynamicSystem {
-    /// Nothing is compiled for each scheme here: all that there are steps for. Two are side by side where machine code takes many steps, and many
+    /// Nothing is compiled for each scheme here: all that there are steps for. A few are side by side where machine code takes many steps, and many
     /// where each is taken by the solver.
     fn members(
         &self,
@@ -429,7 +429,7 @@ impl EnsembleSystem for DynamicSystem {
         let all = |holds: fn(&Step) -> bool| self.definition.steps.iter().all(|step| holds(step));
         let are_small = all(|step| step.layout.unknown.len() <= MOST_IN_LANES);
         if are_small && all(|step| step.functions.has_march()) {
-            self.side_by_side::<Two>(scheme, members, step)
+            self.side_by_side::<Few>(scheme, members, step)
         } else if are_small && has_lanes() {
             self.side_by_side::<Wide>(scheme, members, step)
         } else {

@@ -6,14 +6,15 @@ use std::any::Any;
 use std::sync::Arc;
 use std::vec::Vec;
 
-use super::frame::Framed;
+use super::frame::{FEW, Framed};
 use crate::scalar::Components;
 use crate::scalar::rows::Row;
 
 /// How many solutions are remembered.
 pub(crate) const WINDOW: usize = 16;
 
-/// What machine code goes on from in one stage of its steps, and where it has led to: of one member, or of two whose numbers are side by side.
+/// What machine code goes on from in one stage of its steps, and where it has led to: of one member, or of
+/// [`FEW`] whose numbers are side by side.
 #[repr(C)]
 #[derive(Debug)]
 pub struct Marching {
@@ -29,7 +30,7 @@ pub struct Marching {
     /// The five weights that continue the solutions, of each member.
     pub weights: *const f64,
     /// The relative change of an iteration that may be the last, of each member.
-    pub tolerance: [f64; 2],
+    pub tolerance: [f64; FEW],
     /// Steps start at `start + taken · step`.
     pub start: f64,
     /// As above.
@@ -116,7 +117,7 @@ impl<'a> Lent<'a> {
             next: next.as_mut().as_mut_ptr().cast(),
             solution: solution.as_mut().as_mut_ptr().cast(),
             weights: weights.as_ptr().cast(),
-            tolerance: [0, T::LANES - 1].map(|lane| tolerance.lane(lane)),
+            tolerance: core::array::from_fn(|lane| tolerance.lane(lane % T::LANES)),
             start,
             step,
             taken,
