@@ -37,7 +37,6 @@ pub const CONSTANTS: &[Constant] = &[
     constant("LOW", &[3.0], "of so many where controls jump"),
     constant("WEIGHTS", &[231.0 / 32.0, -20.0, 735.0 / 32.0, -637.0 / 32.0, 715.0 / 32.0],
         "weights of x[j] - x[16-j] with j = 1, 2, 3, 5, 7, which continue sixteen solutions"),
-    constant("CALM", &[49.0 / 16.0, -2.0, -35.0 / 32.0, 35.0 / 32.0, 3.0 / 4.0], "the same where the motion is slow: they magnify rounding less"),
     constant("BINOMIAL", &[8.0, -28.0, 56.0, -70.0],
         "the first half of the weights that continue eight, of simplified Newton steps"),
     constant("FEW", &[3.0], "the most simplified Newton steps on the fast path beside the first"),

@@ -1,7 +1,7 @@
 //! What a step remembers of the ones before it: it saves time, and nothing else.
 
 use super::constants::{FORGETS, HARDLY, INTERVALS, LEFT, NEWTON, SHARP, SMALL, STRONG, TOLERANCE};
-use super::predictor::{Predictor, WINDOW};
+use super::predictor::Predictor;
 use crate::kernel::Kernel;
 use crate::scalar::{Batch, Components, Mask, Real};
 
@@ -171,8 +171,7 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
             self.due -= 1;
         }
         let start = kernel.is_newton().then(start);
-        let weighs = usize::from(self.due).is_multiple_of(WINDOW);
-        self.predictor.learn(kernel.blocks(), start.as_ref(), solution, quick, weighs);
+        self.predictor.learn(kernel.blocks(), start.as_ref(), solution, quick);
         self.settle();
     }
 

@@ -17,8 +17,7 @@
 //!
 //! Of even powers of the distance from `x₈` this holds whatever `w` is. That it holds of the odd ones up to the ninth, and so of all polynomials of
 //! degree 10, determines five weights. Of all choices of five differences [this one](PAIRS) magnifies rounding least, 61 fold, hardly more than the
-//! best weights of all seven (59.5); and its weights are exact. Where the motion is so slow that rounding is all that is left, [others](CALM) hold to
-//! degree 6 alone, and magnify it 6 fold. Which lead nearer is asked on the slow path, once in sixteen solutions.
+//! best weights of all seven (59.5); and its weights are exact.
 //!
 //! Newton's method takes off so much that rounding is no matter, and is there for steps so large that sixteen of them are too many to look back:
 //! its guess is the polynomial through eight, of what solutions are apart from their equations' [first approximations](crate::kernel::Kernel::start).
@@ -40,44 +39,8 @@ const PAIRS: [usize; 5] = [1, 2, 3, 5, 7];
 /// Their weights, exact as numbers of any kind.
 const WEIGHTS: [f64; 5] = [231.0 / 32.0, -20.0, 735.0 / 32.0, -637.0 / 32.0, 715.0 / 32.0];
 
-/// Others, which continue polynomials of degree 6 and magnify rounding 6 fold.
-const CALM: [f64; 5] = [49.0 / 16.0, -2.0, -35.0 / 32.0, 35.0 / 32.0, 3.0 / 4.0];
-
 /// The first half of the weights of the polynomial through eight.
 const BINOMIAL: [f64; 4] = [8.0, -28.0, 56.0, -70.0];
-
-/// The weights with which all solutions are continued.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Weights<T> {
-    /// In each lane. Of one number alone what is computed knows them: loaded, they would take a twentieth of a step's instructions.
-    each: [T; PAIRS.len()],
-    /// Of one number alone, whether they are those for slow motion.
-    is_calm: bool,
-}
-
-impl<T: Batch> Weights<T> {
-    /// The same ones in all lanes.
-    #[inline(always)]
-    fn of(is_calm: bool) -> Self {
-        Self { each: if is_calm { known(CALM) } else { known(WEIGHTS) }, is_calm }
-    }
-
-    /// The first of them.
-    #[inline(always)]
-    fn first(&self) -> T {
-        match self.is_calm {
-            _ if const { T::LANES > 1 } => self.each[0],
-            true => T::of(CALM[0]),
-            false => T::of(WEIGHTS[0]),
-        }
-    }
-}
-
-/// Weights that the compiler knows. No closure, which would not be compiled for the processor that the caller is compiled for.
-#[inline(always)]
-fn known<T: Batch>([a, b, c, d, e]: [f64; PAIRS.len()]) -> [T; PAIRS.len()] {
-    [T::of(a), T::of(b), T::of(c), T::of(d), T::of(e)]
-}
 
 /// Where the solutions before point, and the place that the next one will take: in registers while many steps are taken.
 pub(crate) type Guess<U> = (U, u32);
@@ -91,10 +54,8 @@ pub(super) struct Predictor<T: Batch, U> {
     next: U,
     /// The latest solution, for Newton's method.
     solution: U,
-    /// How many of the solutions are of use, in each lane; one more than there are where [`CALM`] weights continue them better.
+    /// How many of the solutions are of use, in each lane.
     count: T,
-    /// The weights that continue all.
-    weights: Weights<T>,
     /// The place of the oldest, which the next one will take.
     oldest: u32,
     /// Whether all are of use in all lanes: kept, for it is asked in each step.
@@ -110,7 +71,6 @@ impl<T: Batch, U: Components<T>> Default for Predictor<T, U> {
             next: nothing,
             solution: nothing,
             count: T::of(0.0),
-            weights: Weights::of(false),
             oldest: 0,
             is_full: false,
         }
@@ -172,37 +132,16 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         self.solution = *solution;
     }
 
-    /// The weights that continue all.
-    #[inline(always)]
-    pub(super) fn weights(&self) -> Weights<T> {
-        self.weights
-    }
-
     /// What the solutions that there are contribute to the one after the next, where [all are of use](Self::is_full).
     #[inline(always)]
-    pub(super) fn begun<P: Processor>(&self, weights: &Weights<T>, oldest: u32, is_newton: bool) -> U {
-        if is_newton {
-            return computed::<P, _, _, _>(&mut Eighth(self, oldest), &self.next);
-        }
-        self.earlier::<P>(weights, oldest, 1)
-    }
-
-    /// What all but the latest, `ahead` steps from now, contribute to the next solution.
-    #[inline(always)]
-    fn earlier<P: Processor>(&self, weights: &Weights<T>, oldest: u32, ahead: usize) -> U {
-        if const { T::LANES > 1 } {
-            computed::<P, _, _, _>(&mut Earlier(self, weights.each, oldest, ahead), &self.next)
-        } else if weights.is_calm {
-            computed::<P, _, _, _>(&mut Earlier(self, known(CALM), oldest, ahead), &self.next)
-        } else {
-            computed::<P, _, _, _>(&mut Earlier(self, known(WEIGHTS), oldest, ahead), &self.next)
-        }
+    pub(super) fn begun<P: Processor>(&self, oldest: u32, is_newton: bool) -> U {
+        computed::<P, _, _, _>(&mut Begun(self, oldest, is_newton), &self.next)
     }
 
     /// The solution after this one, from what was [begun](Self::begun).
     #[inline(always)]
-    pub(super) fn then(begun: &U, weights: &Weights<T>, solution: &U, is_newton: bool) -> U {
-        plus(begun, if is_newton { T::of(BINOMIAL[0]) } else { weights.first() }, solution)
+    pub(super) fn then(begun: &U, solution: &U, is_newton: bool) -> U {
+        plus(begun, T::of(if is_newton { BINOMIAL[0] } else { WEIGHTS[0] }), solution)
     }
 
     /// Takes the next solution. Returns the place that the one after it will take.
@@ -233,8 +172,8 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     /// All that is remembered, to be gone on from by machine code.
     #[cfg(feature = "dynamic")]
     pub(super) fn remembered(&mut self) -> Remembered<'_, T, U> {
-        let Self { ring, next, solution, weights, oldest, .. } = self;
-        Remembered { ring, next, solution, weights: &weights.each, oldest: *oldest }
+        let Self { ring, next, solution, oldest, .. } = self;
+        Remembered { ring, next, solution, oldest: *oldest }
     }
 
     /// Takes what that has led to.
@@ -244,17 +183,10 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     }
 
     /// Takes one more solution, whatever there is. Where a few of the earlier solutions predict it better than all, as where a control has jumped,
-    /// the others are forgotten. Where it `weighs`, other weights may take the place of those there are. What one lane learns, others beside it make no difference to: where all were of use and the step was as `quick` as on
+    /// the others are forgotten. What one lane learns, others beside it make no difference to: where all were of use and the step was as `quick` as on
     /// the fast path, it would have been taken there.
     #[inline(always)]
-    pub(super) fn learn(
-        &mut self,
-        blocks: &[usize],
-        start: Option<&U>,
-        solution: &U,
-        quick: T::Mask,
-        weighs: bool,
-    ) {
+    pub(super) fn learn(&mut self, blocks: &[usize], start: Option<&U>, solution: &U, quick: T::Mask) {
         let is_newton = start.is_some();
         let from_start = |apart: &U| start.map_or(*apart, |start| plus(start, T::of(1.0), apart));
         let kept = start.map_or(*solution, |start| less(solution, start));
@@ -268,22 +200,18 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         if self.is_full || const { T::LANES > 1 } {
             let is_full = self.are_all(is_newton);
             let is_quick = is_full & quick;
-            is_near = is_full & !is_quick & is_within::<T, _>(blocks, &next, solution, small);
-            if weighs && !is_newton && is_near.any() {
-                self.weigh(blocks, solution, is_near);
-            }
-            is_near = is_near | is_quick;
+            is_near = is_quick | (is_full & is_within::<T, _>(blocks, &next, solution, small));
             if is_near.all() {
-                let begun = self.begun::<Portable>(&self.weights, self.oldest, is_newton);
+                let begun = self.begun::<Portable>(self.oldest, is_newton);
                 self.push(&kept);
-                self.next = Self::then(&begun, &self.weights, &kept, is_newton);
+                self.next = Self::then(&begun, &kept, is_newton);
                 return;
             }
         }
         let weights = &weights::<T, _>(blocks, solution);
         let off = weighted::<T, _>(weights, &next, solution);
         let before = self.count;
-        let known = T::select(off.le(T::of(LOST)), Scalar::min(before, full), T::of(0.0));
+        let known = T::select(off.le(T::of(LOST)), before, T::of(0.0));
         self.count = T::select(known.lt(full), known + one, known);
         let is_long = low.lt(known);
         if is_long.any() {
@@ -293,19 +221,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         }
         self.count = T::select(is_near, before, self.count);
         self.push(&kept);
-        if (full.le(self.count) & !before.is_same(self.count)).any() {
-            self.take_weights();
-        }
         self.predict(is_newton);
-    }
-
-    #[inline(always)]
-    fn take_weights(&mut self) {
-        let is_calm = T::of(WINDOW as f64).lt(self.count);
-        for (k, weight) in self.weights.each.iter_mut().enumerate() {
-            *weight = T::select(is_calm, T::of(CALM[k]), T::of(WEIGHTS[k]));
-        }
-        self.weights.is_calm = is_calm.all();
     }
 
     /// Predicts the next solution.
@@ -322,33 +238,17 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         if is_full.any() {
             let by_all = match is_newton {
                 true => {
-                    let begun = self.begun::<Portable>(&self.weights, self.oldest.wrapping_sub(1), true);
-                    Self::then(&begun, &self.weights, &self.latest(), true)
+                    let begun = self.begun::<Portable>(self.oldest.wrapping_sub(1), true);
+                    Self::then(&begun, &self.latest(), true)
                 }
-                false => self.by_all(&self.weights),
+                false => {
+                    let odd = computed::<Portable, _, _, _>(&mut Odd(self), &next);
+                    plus(&odd, T::of(WEIGHTS[0]), &self.latest())
+                }
             };
             next = select(is_full, &by_all, &next);
         }
         self.next = next;
-    }
-
-    /// The next solution from all, with these weights.
-    #[inline(always)]
-    fn by_all(&self, weights: &Weights<T>) -> U {
-        plus(&self.earlier::<Portable>(weights, self.oldest, 0), weights.first(), &self.latest())
-    }
-
-    /// Takes the weights that would have led nearer to this solution in these lanes, in which all are of use: where the motion is slow, the others magnify
-    /// rounding to more than an iteration may take off.
-    #[cold]
-    #[inline(never)]
-    fn weigh(&mut self, blocks: &[usize], solution: &U, lanes: T::Mask) {
-        let sizes = &weights::<T, _>(blocks, solution);
-        let [usual, calm] = [false, true]
-            .map(|is_calm| weighted::<T, _>(sizes, &self.by_all(&Weights::of(is_calm)), solution));
-        let [all, more] = [WINDOW, WINDOW + 1].map(|count| T::of(count as f64));
-        self.count = T::select(lanes, T::select(calm.lt(usual), more, all), self.count);
-        self.take_weights();
     }
 
     /// The next solution from the polynomial through so many of the latest, up to [`THROUGH`].
@@ -384,33 +284,32 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
             j += 1;
         }
         if self.remembers() {
-            self.take_weights();
             self.predict(is_newton);
         }
     }
 }
 
-/// `x₁₆ − w₁ x₁₅ + Σ_{j > 1} w_j (x_j − x_{16 − j})`, piece by piece; so many steps from now, the `x_j` are as many places newer.
-struct Earlier<'a, T: Batch, U>(&'a Predictor<T, U>, [T; PAIRS.len()], u32, usize);
+/// `x₁₆ − w₁ x₁₅ + Σ_{j > 1} w_j (x_j − x_{16 − j})`, piece by piece.
+struct Odd<'a, T: Batch, U>(&'a Predictor<T, U>);
 
-impl<T: Batch, U: Components<T>> Formula<T> for Earlier<'_, T, U> {
+impl<T: Batch, U: Components<T>> Formula<T> for Odd<'_, T, U> {
     const SPARE: usize = 1;
 
     #[inline(always)]
     fn at<X: Piece<T>>(&mut self, i: usize) -> X {
-        earlier(self.0, &self.1, self.2, self.3, i)
+        earlier(self.0, self.0.oldest, 0, i)
     }
 }
 
-/// The same for Newton's method, a step from now.
-struct Eighth<'a, T: Batch, U>(&'a Predictor<T, U>, u32);
+/// The same for the solution after the next.
+struct Begun<'a, T: Batch, U>(&'a Predictor<T, U>, u32, bool);
 
-impl<T: Batch, U: Components<T>> Formula<T> for Eighth<'_, T, U> {
+impl<T: Batch, U: Components<T>> Formula<T> for Begun<'_, T, U> {
     const SPARE: usize = 1;
 
     #[inline(always)]
     fn at<X: Piece<T>>(&mut self, i: usize) -> X {
-        eighth(self.0, self.1, i)
+        if self.2 { eighth(self.0, self.1, i) } else { earlier(self.0, self.1, 1, i) }
     }
 }
 
@@ -423,11 +322,10 @@ fn eighth<T: Batch, U: Components<T>, X: Piece<T>>(predictor: &Predictor<T, U>, 
     inner.and(outer.less(at(THROUGH)))
 }
 
-/// In two chains side by side, for the next step waits for it.
+/// In two chains side by side, for the next step waits for it. `ahead` steps from now the `x_j` are as many places newer.
 #[inline(always)]
 fn earlier<T: Batch, U: Components<T>, X: Piece<T>>(
     predictor: &Predictor<T, U>,
-    weights: &[T; PAIRS.len()],
     oldest: u32,
     ahead: usize,
     i: usize,
@@ -443,9 +341,9 @@ fn earlier<T: Batch, U: Components<T>, X: Piece<T>>(
             at!(PAIRS[$pair]).less(at!(WINDOW - PAIRS[$pair]))
         };
     }
-    let inner = difference!(4).times(weights[4]).plus(weights[3], difference!(3));
-    let outer = difference!(2).times(weights[2]).plus(weights[1], difference!(1));
-    let last = at!(WINDOW).plus(-weights[0], at!(WINDOW - PAIRS[0]));
+    let inner = difference!(4).times(T::of(WEIGHTS[4])).plus(T::of(WEIGHTS[3]), difference!(3));
+    let outer = difference!(2).times(T::of(WEIGHTS[2])).plus(T::of(WEIGHTS[1]), difference!(1));
+    let last = at!(WINDOW).plus(T::of(-WEIGHTS[0]), at!(WINDOW - PAIRS[0]));
     last.and(inner.and(outer))
 }
 
@@ -502,28 +400,11 @@ mod tests {
         assert!(magnifies(WEIGHTS) == least && (least - 61.2).abs() < 0.1, "{least}");
     }
 
-    #[test]
-    fn calm_weights_continue_polynomials_of_degree_6_and_magnify_rounding_6_fold() {
-        let at = |power: i32| PAIRS.map(|j| ((8.0 - j as f64) / 8.0).powi(power));
-        let sum = |power: i32| CALM.iter().zip(at(power)).map(|(w, x)| w * x).sum::<f64>();
-        for power in [1, 3, 5] {
-            assert!((sum(power) - 1.0).abs() < 1e-15, "{power}: {}", sum(power));
-        }
-        assert!((sum(7) - 1.0).abs() > 0.1, "nor more");
-        // of all that do, those that are sums of the three powers magnify least: numbers of few digits are not far from them
-        let rows = nalgebra::Matrix3x5::from_fn(|i, k| at(2 * i as i32 + 1)[k]);
-        let inverse = (rows * rows.transpose()).try_inverse().expect("three pairs are different");
-        let least = rows.transpose() * inverse * nalgebra::Vector3::repeat(1.0);
-        let least = magnifies(core::array::from_fn(|k| least[k]));
-        assert!(least <= magnifies(CALM) && magnifies(CALM) < 1.03 * least, "{} {least}", magnifies(CALM));
-        assert!(magnifies(CALM) < 6.0);
-    }
-
     use std::vec::Vec;
 
     fn after(predictor: &mut Predictor<f64, [f64; 1]>, solutions: impl IntoIterator<Item = f64>) {
         for x in solutions {
-            predictor.learn(&[1], None, &[x], false, false);
+            predictor.learn(&[1], None, &[x], false);
             assert_eq!(predictor.latest(), [x], "{predictor:?}");
         }
     }
@@ -543,9 +424,7 @@ mod tests {
             // and along the fast path
             for step in 40..60 {
                 let x = [polynomial(step)];
-                let weights = predictor.weights();
-                let begun = predictor.begun::<Portable>(&weights, predictor.oldest, false);
-                let then = Predictor::then(&begun, &weights, &x, false);
+                let then = Predictor::then(&predictor.begun::<Portable>(predictor.oldest, false), &x, false);
                 let oldest = predictor.keep::<Portable>(predictor.oldest, &x);
                 predictor.set(&(then, oldest));
                 assert!((then[0] / polynomial(step + 1) - 1.0).abs() < 1e-12, "{degree}, {step}");

@@ -3,7 +3,7 @@
 use super::constants::{FAR, FEW};
 use super::memory::{Convergence, Memory, is_left};
 use super::newton::Newton;
-use super::predictor::{Guess, Predictor, Weights};
+use super::predictor::{Guess, Predictor};
 use super::rescue::{Rescue, Rescued};
 use super::{Solution, SolutionOf, fixed_point, go_on};
 use crate::error::StepError;
@@ -39,7 +39,7 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
 
     const HAS_FAST_PATH: bool = true;
     /// There is one wherever steps are [ready](Method::ready_for).
-    type FastPath = Option<Ahead<T, K::Unknown>>;
+    type FastPath = Option<Ahead<K::Unknown>>;
 
     #[inline(always)]
     fn ready_for(&self) -> u64 {
@@ -48,7 +48,7 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
 
     #[inline(always)]
     fn enter(&self) -> Self::FastPath {
-        Some(self.ahead())
+        Some(Ahead { guess: self.memory.predictor.guess(), more: (0, 0) })
     }
 
     #[inline(always)]
@@ -118,8 +118,8 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
         let mut first = None;
         // nearly all steps go this way
         if known && self.ready_for() > 0 {
-            let mut ahead = self.ahead();
             let Self { kernel, memory } = self;
+            let mut ahead = Ahead { guess: memory.predictor.guess(), more: (0, 0) };
             let (next, done) = fast_path::<Portable, _, _>(kernel, memory, &mut ahead, state, time, control);
             match done {
                 Ok(()) => {
@@ -165,13 +165,6 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
         // copies, so that the fast path needs no addresses
         let (state, control) = (*state, *control);
         T::dispatch(SlowPath { method: self, state: &state, time, control: &control, known, first })
-    }
-
-    /// What the fast path goes on from.
-    #[inline(always)]
-    fn ahead(&self) -> Ahead<T, K::Unknown> {
-        let predictor = &self.memory.predictor;
-        Ahead { guess: predictor.guess(), weights: predictor.weights(), more: (0, 0) }
     }
 
     /// What machine code takes steps on the fast path with, on this frame, up to `most`.
@@ -234,9 +227,8 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
 
 /// Where the solutions before point, and how many iterations more than one steps took, all together and at most.
 #[derive(Clone, Copy)]
-pub struct Ahead<T, U> {
+pub struct Ahead<U> {
     guess: Guess<U>,
-    weights: Weights<T>,
     more: (u64, u32),
 }
 
@@ -249,7 +241,7 @@ pub struct Ahead<T, U> {
 fn fast_path<P: Processor, T: Batch, K: Kernel<T>>(
     kernel: &K,
     memory: &mut Memory<T, K::Unknown>,
-    ahead: &mut Ahead<T, K::Unknown>,
+    ahead: &mut Ahead<K::Unknown>,
     state: &K::State,
     time: T,
     control: &K::Control,
@@ -290,8 +282,7 @@ fn fast_path<P: Processor, T: Batch, K: Kernel<T>>(
         // before what follows from this solution, for the next step waits for it
         kept = start.map_or(unknown, |start| apart::<T, _>(&less(&unknown, &start)));
         then = apart_here::<T, _>(&Predictor::then(
-            &memory.predictor.begun::<P>(&ahead.weights, oldest, kernel.is_newton()),
-            &ahead.weights,
+            &memory.predictor.begun::<P>(oldest, kernel.is_newton()),
             &kept,
             kernel.is_newton(),
         ));

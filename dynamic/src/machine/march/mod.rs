@@ -57,8 +57,6 @@ struct Stage<'a> {
     /// Where it puts where the solutions point.
     next: ir::Value,
     tolerance: Number,
-    /// The address of the weights that continue the solutions.
-    weights: ir::Value,
     /// What functions are given.
     given: Given,
 }
@@ -107,25 +105,14 @@ impl<'a, 'e, 'f> March<'a, 'e, 'f> {
             let offset = (place * size_of::<Marching>()) as i64;
             let marching = self.e.builder.ins().iadd_imm_s(first, offset);
             let (frame, given) = (first, Given::default());
-            let [constant, ring, next, weights] = [frame; 4];
+            let [constant, ring, next] = [frame; 3];
             let (memory, ty) = (Emitter::memory(), self.e.ty());
             let tolerance = self.e.load_as(ty, memory, marching, field!(tolerance));
-            self.stages.push(Stage {
-                step,
-                layout,
-                marching,
-                frame,
-                constant,
-                ring,
-                next,
-                tolerance,
-                weights,
-                given,
-            });
-            let [frame, ring, next, weights] = [field!(frame), field!(ring), field!(next), field!(weights)]
-                .map(|at| self.get(place, pointer, at));
+            self.stages.push(Stage { step, layout, marching, frame, constant, ring, next, tolerance, given });
+            let [frame, ring, next] =
+                [field!(frame), field!(ring), field!(next)].map(|at| self.get(place, pointer, at));
             let stage = &mut self.stages[place];
-            (stage.frame, stage.ring, stage.next, stage.weights) = (frame, ring, next, weights);
+            (stage.frame, stage.ring, stage.next) = (frame, ring, next);
         }
     }
 

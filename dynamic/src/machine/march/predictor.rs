@@ -64,10 +64,7 @@ impl March<'_, '_, '_> {
             false => PAIRS.iter().flat_map(|j| [*j, WINDOW - j]).skip(1).chain([WINDOW]).collect(),
         };
         let rows: Vec<_> = used.into_iter().map(|j| (j, self.row(stage, oldest, j - 1))).collect();
-        let latest = match is_newton {
-            true => self.e.number(numbers::<4>("BINOMIAL")[0]),
-            false => self.weight(stage, self.e.ty(), 0),
-        };
+        let [latest] = numbers(if is_newton { "BINOMIAL" } else { "WEIGHTS" });
         let mut then = Vec::new();
         for (i, ty) in self.pieces(stage) {
             // none of them is the one that this step writes over
@@ -76,27 +73,19 @@ impl March<'_, '_, '_> {
                 (*j, self.e.load_as(ty, Emitter::lasting(), *row, offset))
             };
             let at: Vec<_> = rows.iter().map(at).collect();
-            let begun = if is_newton { self.eighth(ty, &at) } else { self.earlier(stage, ty, &at) };
+            let begun = if is_newton { self.eighth(ty, &at) } else { self.earlier(ty, &at) };
             let lanes = if ty == self.e.ty() { 1 } else { 2 };
             for lane in 0..lanes {
                 let begun = match lanes {
                     2 => self.e.in_each([begun], |builder, [both]| builder.ins().extractlane(both, lane)),
                     _ => begun,
                 };
-                let product = self.e.mul(latest, kept[i + usize::from(lane)]);
+                let weight = self.e.number(latest);
+                let product = self.e.mul(weight, kept[i + usize::from(lane)]);
                 then.push(self.e.add(begun, product));
             }
         }
         then
-    }
-
-    /// One of the weights that continue the solutions, of this stage.
-    fn weight(&mut self, stage: usize, ty: ir::Type, k: usize) -> Number {
-        let weight = self.e.load(self.stages[stage].weights, k);
-        if ty == self.e.ty() {
-            return weight;
-        }
-        self.e.in_each([weight], |builder, [weight]| builder.ins().splat(ty, weight))
     }
 
     fn constant(&mut self, ty: ir::Type, x: f64) -> Number {
@@ -132,22 +121,22 @@ impl March<'_, '_, '_> {
     }
 
     /// `earlier` of the solver's predictor.
-    fn earlier(&mut self, stage: usize, ty: ir::Type, at: &[(usize, Number)]) -> Number {
-        let [w0, w1, w2, w3, w4] = std::array::from_fn(|k| self.weight(stage, ty, k));
+    fn earlier(&mut self, ty: ir::Type, at: &[(usize, Number)]) -> Number {
+        let [w0, w1, w2, w3, w4] = numbers("WEIGHTS");
         let difference = |e: &mut Emitter<'_, '_>, pair: usize| {
             let j = PAIRS[pair];
             let [a, b] = [j, WINDOW - j].map(|j| found(at, j));
             e.sub(a, b)
         };
         let fourth = difference(self.e, 4);
-        let inner = self.e.mul(w4, fourth);
+        let inner = self.times(ty, w4, fourth);
         let third = difference(self.e, 3);
-        let inner = self.e.mul_add(false, w3, third, inner);
+        let inner = self.plus(ty, inner, w3, third);
         let second = difference(self.e, 2);
-        let outer = self.e.mul(w2, second);
+        let outer = self.times(ty, w2, second);
         let first = difference(self.e, 1);
-        let outer = self.e.mul_add(false, w1, first, outer);
-        let last = self.e.mul_add(true, w0, found(at, WINDOW - PAIRS[0]), found(at, WINDOW));
+        let outer = self.plus(ty, outer, w1, first);
+        let last = self.plus(ty, found(at, WINDOW), -w0, found(at, WINDOW - PAIRS[0]));
         let both = self.e.add(inner, outer);
         self.e.add(last, both)
     }

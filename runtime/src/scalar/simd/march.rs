@@ -27,8 +27,6 @@ pub struct Marching {
     pub next: *mut f64,
     /// The latest solution, of Newton's method.
     pub solution: *mut f64,
-    /// The five weights that continue the solutions, of each member.
-    pub weights: *const f64,
     /// The relative change of an iteration that may be the last, of each member.
     pub tolerance: [f64; FEW],
     /// Steps start at `start + taken · step`.
@@ -75,7 +73,6 @@ pub(crate) struct Remembered<'a, T, U> {
     pub(crate) ring: &'a mut [Row<T, U, 1>; WINDOW],
     pub(crate) next: &'a mut U,
     pub(crate) solution: &'a mut U,
-    pub(crate) weights: &'a [T; 5],
     pub(crate) oldest: u32,
 }
 
@@ -110,13 +107,12 @@ impl<'a> Lent<'a> {
         (start, step, taken): (f64, f64, u64),
         most: u64,
     ) -> Self {
-        let Remembered { ring, next, solution, weights, oldest } = remembered;
+        let Remembered { ring, next, solution, oldest } = remembered;
         let row = size_of::<Row<T, U, 1>>() / size_of::<f64>();
         let marching = Marching {
             ring: ring.as_mut_ptr().cast(),
             next: next.as_mut().as_mut_ptr().cast(),
             solution: solution.as_mut().as_mut_ptr().cast(),
-            weights: weights.as_ptr().cast(),
             tolerance: core::array::from_fn(|lane| tolerance.lane(lane % T::LANES)),
             start,
             step,
@@ -143,8 +139,8 @@ impl March {
     /// Code for steps of so many stages, each with how many numbers its frame has at least, and its rows, with room for its unknowns.
     ///
     /// # Safety
-    /// The code is there as long as the owner is. Of each stage it reads and writes what it is given, and no more: a frame, a ring of 16 rows, two
-    /// unknowns, and five weights.
+    /// The code is there as long as the owner is. Of each stage it reads and writes what it is given, and no more: a frame, a ring of 16 rows, and two
+    /// unknowns.
     pub unsafe fn new(
         code: unsafe extern "C" fn(*mut Marching),
         lengths: Vec<[usize; 2]>,

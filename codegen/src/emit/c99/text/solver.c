@@ -74,16 +74,8 @@ U_HOT void K_eighth(const K_memory *m, unsigned oldest, REAL *sum)
 }
 
 //else
-/* The weights that continue all solutions: usual ones, or those for slow motion. */
-U_HOT const REAL *K_weights(int is_calm)
-{
-    U_TABLE REAL weights[2][5] = { { U_WEIGHTS_0, U_WEIGHTS_1, U_WEIGHTS_2, U_WEIGHTS_3, U_WEIGHTS_4 },
-                                   { U_CALM_0, U_CALM_1, U_CALM_2, U_CALM_3, U_CALM_4 } };
-    return weights[is_calm];
-}
-
 /* x[16] - w[1] x[15] + the sum of w[j] (x[j] - x[16-j]), where the x[j] are as many places newer as it is ahead. */
-U_HOT void K_earlier(const K_memory *m, unsigned oldest, int ahead, const REAL *w, REAL *sum)
+U_HOT void K_earlier(const K_memory *m, unsigned oldest, int ahead, REAL *sum)
 {
     const REAL *x2 = K_row(m, oldest, 2 - ahead), *x14 = K_row(m, oldest, 14 - ahead);
     const REAL *x3 = K_row(m, oldest, 3 - ahead), *x13 = K_row(m, oldest, 13 - ahead);
@@ -93,9 +85,9 @@ U_HOT void K_earlier(const K_memory *m, unsigned oldest, int ahead, const REAL *
     REAL inner, outer, last;
     int i;
     for (i = 0; i < SIZE; i++) {
-        inner = w[4] * (x7[i] - x9[i]) + w[3] * (x5[i] - x11[i]);
-        outer = w[2] * (x3[i] - x13[i]) + w[1] * (x2[i] - x14[i]);
-        last = x16[i] + -w[0] * x15[i];
+        inner = U_WEIGHTS_4 * (x7[i] - x9[i]) + U_WEIGHTS_3 * (x5[i] - x11[i]);
+        outer = U_WEIGHTS_2 * (x3[i] - x13[i]) + U_WEIGHTS_1 * (x2[i] - x14[i]);
+        last = x16[i] + -U_WEIGHTS_0 * x15[i];
         sum[i] = last + (inner + outer);
     }
 }
@@ -118,37 +110,22 @@ U_FN void K_polynomial(const K_memory *m, int points, REAL *sum)
     }
 }
 
-//if linear
-/* The next solution from all, with these weights. */
-U_FN void K_by_all(const K_memory *m, const REAL *w, REAL *next)
-{
-    const REAL *latest = K_row(m, m->oldest, 1);
-    int i;
-    K_earlier(m, m->oldest, 0, w, next);
-    for (i = 0; i < SIZE; i++)
-        next[i] = next[i] + w[0] * latest[i];
-}
-
-//end
 /* Predicts the next solution. */
 U_FN void K_predict(K_memory *m)
 {
-//if linear
-    if (m->count >= U_WINDOW) {
-        K_by_all(m, K_weights(m->count > U_WINDOW), m->next);
-        return;
-    }
-//else
     const REAL *latest = K_row(m, m->oldest, 1);
     int i;
-    if (m->count >= U_THROUGH) {
-        K_eighth(m, m->oldest - 1u, m->next);
-        for (i = 0; i < SIZE; i++)
-            m->next[i] = m->next[i] + U_BINOMIAL_0 * latest[i];
+    if (m->count < FULL) {
+        K_polynomial(m, m->count < U_THROUGH ? m->count : U_THROUGH, m->next);
         return;
     }
+//if newton
+    K_eighth(m, m->oldest - 1u, m->next);
+//else
+    K_earlier(m, m->oldest, 0, m->next);
 //end
-    K_polynomial(m, m->count < U_THROUGH ? m->count : U_THROUGH, m->next);
+    for (i = 0; i < SIZE; i++)
+        m->next[i] = m->next[i] + FIRST_WEIGHT * latest[i];
 }
 
 U_FN REAL K_weighted(const REAL *weights, const REAL *from, const REAL *to)
@@ -160,38 +137,10 @@ U_FN REAL K_weighted(const REAL *weights, const REAL *from, const REAL *to)
     return size;
 }
 
-/* One over the size of its block for each component. */
-U_FN void K_one_over_sizes(const REAL *solution, REAL *weights)
-{
-    REAL size;
-    int i;
-//each block
-    size = U_FLOOR;
-    for (i = BEGIN; i < END; i++)
-        size += FABS(solution[i]);
-    for (i = BEGIN; i < END; i++)
-        weights[i] = ONE / size;
-//end
-}
-
-//if linear
-/* Takes the weights that would have led nearer to this solution: where the motion is slow, the usual ones magnify rounding to more than an
- * iteration may take off. */
-U_FN void K_weigh(K_memory *m, const REAL *solution)
-{
-    REAL sizes[SIZE], next[SIZE], usual;
-    K_one_over_sizes(solution, sizes);
-    K_by_all(m, K_weights(0), next);
-    usual = K_weighted(sizes, next, solution);
-    K_by_all(m, K_weights(1), next);
-    m->count = K_weighted(sizes, next, solution) < usual ? U_WINDOW + 1 : U_WINDOW;
-}
-
-//end
 /* Takes one more solution. Where a few of the earlier ones predict it better than all, the others are forgotten. */
 U_FN void K_learn_solution(const K_equation *q, K_memory *m, const REAL *solution)
 {
-    REAL weights[SIZE], by_few[SIZE], begun[SIZE], off;
+    REAL weights[SIZE], by_few[SIZE], begun[SIZE], size, off;
     int i, known;
 //if newton
     /* what is kept is what they are apart from the equations' first approximations */
@@ -209,23 +158,22 @@ U_FN void K_learn_solution(const K_equation *q, K_memory *m, const REAL *solutio
 //if newton
         K_eighth(m, m->oldest, begun);
 //else
-        if (m->due % U_WINDOW == 0)
-            K_weigh(m, solution);
-        K_earlier(m, m->oldest, 1, K_weights(m->count > U_WINDOW), begun);
+        K_earlier(m, m->oldest, 1, begun);
 //end
         K_copy(m->ring[m->oldest++ % (unsigned)U_WINDOW], kept);
         for (i = 0; i < SIZE; i++)
-//if newton
-            m->next[i] = begun[i] + U_BINOMIAL_0 * kept[i];
-//else
-            m->next[i] = begun[i] + K_weights(m->count > U_WINDOW)[0] * kept[i];
-//end
+            m->next[i] = begun[i] + FIRST_WEIGHT * kept[i];
         return;
     }
-    K_one_over_sizes(solution, weights);
+//each block
+    size = U_FLOOR;
+    for (i = BEGIN; i < END; i++)
+        size += FABS(solution[i]);
+    for (i = BEGIN; i < END; i++)
+        weights[i] = ONE / size;
+//end
     off = K_weighted(weights, next, solution);
-    known = m->count < U_WINDOW ? m->count : U_WINDOW;
-    known = off <= U_LOST ? known : 0;
+    known = off <= U_LOST ? m->count : 0;
     m->count = known < U_WINDOW ? known + 1 : known;
     if (known > U_LOW) {
         K_polynomial(m, U_LOW, by_few);
@@ -809,7 +757,7 @@ U_HOT int K_fast(const K_constants *k, K_memory *m, K_path *path, const S_state 
     for (i = 0; i < SIZE; i++)
         then[i] = then[i] + U_BINOMIAL_0 * kept[i];
 //else
-    const REAL *const kept = unknown, *const weights = K_weights(m->count > U_WINDOW);
+    const REAL *const kept = unknown;
     q.constants = k;
     q.state = x;
     K_begin(&q TIMED_CALL CONTROL_CALL);
@@ -818,9 +766,9 @@ U_HOT int K_fast(const K_constants *k, K_memory *m, K_path *path, const S_state 
     if (!K_is_within(path->next, unknown, m->tolerance))
         return 1;
     /* before what follows from this solution, for the next step waits for it */
-    K_earlier(m, path->oldest, 1, weights, then);
+    K_earlier(m, path->oldest, 1, then);
     for (i = 0; i < SIZE; i++)
-        then[i] = then[i] + weights[0] * unknown[i];
+        then[i] = then[i] + U_WEIGHTS_0 * unknown[i];
 //end
     K_finish(&q, unknown, &e, next);
 //if domain
