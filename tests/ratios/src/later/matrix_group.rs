@@ -44,7 +44,8 @@ pub(crate) fn cases() -> Vec<Case> {
         let scattered = move |step: u64, shift: f64| 2.0 * ((step as f64 * 0.618_034 + shift) % 1.0) - 1.0;
         let constant = control.clone();
         let jumping = move |step: u64| NavigationControl {
-            gyroscope: constant.gyroscope + vector![0.0, 0.414, 0.828].map(|shift| size * scattered(step, shift)),
+            gyroscope: constant.gyroscope
+                + vector![0.0, 0.414, 0.828].map(|shift| size * scattered(step, shift)),
             accelerometer: constant.accelerometer
                 + vector![0.2, 0.614, 0.028].map(|shift| size * scattered(step, shift)),
         };
