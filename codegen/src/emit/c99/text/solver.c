@@ -382,6 +382,8 @@ U_FN void K_iterate(const K_equation *q, const K_memory *m, const REAL *guess, c
         again = again && ((is_as_fast && round <= U_FEW) || now <= U_STRONG * last);
         if (round == U_FEW + 1)
             measures = measures || again;
+//else
+        again = again && now <= U_STRONG * last;
 //end
         if (!again)
             break;
