@@ -193,9 +193,16 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         if is_newton {
             self.note(solution);
         }
+        let [one, low, full] = [1.0, LOW as f64, WINDOW as f64].map(T::of);
+        // the first after a state that no step has led to: there is nothing to compare it with
+        if !self.remembers() {
+            self.count = one;
+            self.push(&kept);
+            self.next = plus(&U::splat(T::of(0.0)), one, &kept);
+            return;
+        }
         let next = from_start(&self.next);
         let small = T::of(SMALL * T::EPSILON);
-        let [one, low, full] = [1.0, LOW as f64, WINDOW as f64].map(T::of);
         let mut is_near = T::Mask::splat(false);
         if self.is_full || const { T::LANES > 1 } {
             let is_full = self.are_all(is_newton);

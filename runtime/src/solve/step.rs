@@ -327,9 +327,9 @@ impl<T: Batch, K: Kernel<T>> Work for SlowPath<'_, T, K> {
         }
         let step = &kernel.begin(state, time, control);
         let equation = &AtState { kernel: &*kernel, state, step };
-        let (guess, mut before) = (&guess(equation, memory), None);
+        let (begin, mut before) = (guess(equation, memory), None);
         if const { <K::Unknown as Components<T>>::LENGTH > 0 } && memory.tries().any() {
-            let solution = fixed_point::solve(equation, memory, guess, first);
+            let solution = fixed_point::solve(equation, memory, &begin, first);
             // numbers stay in registers; in lanes there are too few
             if const { T::LANES == 1 }
                 && let Some(advanced) = advanced::<_, _, false>(equation, memory, &solution, time, control)
@@ -340,7 +340,8 @@ impl<T: Batch, K: Kernel<T>> Work for SlowPath<'_, T, K> {
         }
         let mut solution = match before {
             Some(solution) if solution.solved.all() => solution,
-            _ => by_newton(equation, memory, guess, before),
+            // a copy, so that iterations need no address
+            _ => by_newton(equation, memory, begin, before),
         };
         let (mut errors, mut is_rescued) = (T::all(None), false);
         loop {
@@ -399,17 +400,17 @@ fn predicted<T: Batch, K: Kernel<T>>(
 fn by_newton<T: Batch, K: Kernel<T>>(
     equation: &AtState<'_, T, K>,
     memory: &Memory<T, K::Unknown>,
-    guess: &K::Unknown,
+    from: K::Unknown,
     before: Option<SolutionOf<T, K>>,
 ) -> SolutionOf<T, K> {
     if const { <K::Unknown as Components<T>>::LENGTH == 0 } {
-        return Solution::of(equation, guess, T::Mask::splat(true), memory.rate);
+        return Solution::of(equation, &from, T::Mask::splat(true), memory.rate);
     }
     let (mut elsewhere, mut rate) = (T::Mask::splat(memory.predictor.remembers()), memory.rate);
     if let Some(before) = &before {
         (elsewhere, rate) = (elsewhere & !memory.is_strong(), before.rate);
     }
-    let newton = Newton { equation, before: before.as_ref(), from: guess, elsewhere, rate };
+    let newton = Newton { equation, before: before.as_ref(), from: &from, elsewhere, rate };
     T::dispatch(newton)
 }
 
