@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use coadjoint::erased::RetractionKind;
 use coadjoint::erased::dynamic::{
-    Definition, FEW, Given, Inertia, LANES, Layout, Lengths, March, Rule, Step, StepFunction, StepFunctions,
-    SystemFunction, SystemFunctions, Work, description, side_by_side, with_events,
+    Definition, Given, Inertia, LANES, Layout, Lengths, MACHINE_LANES, March, Rule, Step, StepFunction,
+    StepFunctions, SystemFunction, SystemFunctions, Work, description, side_by_side, with_events,
 };
 use coadjoint::{Event, Kind, Quantity, Role, Side};
 use coadjoint_codegen::emit::bytes;
@@ -162,7 +162,7 @@ impl StepFunctions for Functions {
         side_by_side(Wide { code: &self.interpreted[function as usize], frame });
     }
 
-    fn call_few(&self, function: StepFunction, frame: &mut [[f64; FEW]]) {
+    fn call_machine_lanes(&self, function: StepFunction, frame: &mut [[f64; MACHINE_LANES]]) {
         if self.machine.as_ref().is_some_and(|machine| machine.call_wide(function, frame)) {
             return;
         }
@@ -177,8 +177,8 @@ impl StepFunctions for Functions {
         self.machine.as_ref()?.march(then, 1)
     }
 
-    fn march_few(&self, then: Option<usize>) -> Option<March> {
-        self.machine.as_ref()?.march(then, FEW)
+    fn march_machine_lanes(&self, then: Option<usize>) -> Option<March> {
+        self.machine.as_ref()?.march(then, MACHINE_LANES)
     }
 }
 

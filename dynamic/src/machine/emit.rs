@@ -1,6 +1,6 @@
 //! From the functions of a program to Cranelift's instructions: the same operations in the same order as the interpreter's.
 
-use coadjoint::erased::dynamic::{FEW, FUSED};
+use coadjoint::erased::dynamic::{FUSED, MACHINE_LANES};
 use coadjoint_codegen::program::{Elementary, Function, Statement, Term, Value, stumpff};
 use cranelift_codegen::ir::condcodes::{FloatCC, IntCC};
 use cranelift_codegen::ir::{
@@ -35,7 +35,7 @@ pub(super) struct Emitter<'a, 'f> {
 }
 
 /// How many registers a number takes at most.
-const REGISTERS: usize = FEW / 2;
+const REGISTERS: usize = MACHINE_LANES / 2;
 
 /// A number of each of several members, two in a register, or of one; or whether something holds of it.
 ///

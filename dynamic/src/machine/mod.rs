@@ -12,7 +12,7 @@ mod outside;
 use std::collections::HashMap;
 use std::sync::{Arc, LazyLock, Mutex, OnceLock, PoisonError};
 
-use coadjoint::erased::dynamic::{FEW, LANES, Layout, March, Marching, StepFunction, row_length};
+use coadjoint::erased::dynamic::{LANES, Layout, MACHINE_LANES, March, Marching, StepFunction, row_length};
 use coadjoint_codegen::program::{Function, Module, Program, StepRole};
 use cranelift_codegen::ir::{self, AbiParam, Signature};
 use cranelift_codegen::isa::OwnedTargetIsa;
@@ -54,7 +54,7 @@ fn is_here() -> bool {
 }
 
 /// How many members functions may be for.
-const MEMBERS: [usize; 3] = [1, FEW, LANES];
+const MEMBERS: [usize; 3] = [1, MACHINE_LANES, LANES];
 
 /// A step's functions, compiled when they are needed.
 pub(crate) struct Machine {
@@ -118,7 +118,7 @@ impl Machine {
         true
     }
 
-    /// The same on frames side by side, [`FEW`] at a time.
+    /// The same on frames side by side, [`MACHINE_LANES`] at a time.
     pub(crate) fn call_wide<const L: usize>(&self, function: StepFunction, frame: &mut [[f64; L]]) -> bool {
         let Some(functions) = self.functions(function, L) else { return false };
         if frame.len() < self.layout.scratch {
@@ -126,9 +126,9 @@ impl Machine {
         }
         if let Some(call) = functions.calls[function as usize] {
             let first: *mut f64 = frame.as_mut_ptr().cast();
-            for some in 0..L / FEW {
+            for some in 0..L / MACHINE_LANES {
                 // SAFETY: it reads and writes so many lanes of places of the layout alone
-                unsafe { call(first.add(FEW * some)) };
+                unsafe { call(first.add(MACHINE_LANES * some)) };
             }
         }
         true

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
-use coadjoint::erased::dynamic::{FEW, Rule};
+use coadjoint::erased::dynamic::{MACHINE_LANES, Rule};
 use coadjoint::erased::{Ensemble, EnsembleSystem, RetractionKind, Stepper, System};
 use coadjoint::{Kind, Quantity, Role};
 use coadjoint_dynamic::{DynamicSystem, Model};
@@ -208,7 +208,7 @@ impl Several {
             }
             (parameters, state)
         };
-        let members = (0..2 * FEW - 1).map(member).collect();
+        let members = (0..2 * MACHINE_LANES - 1).map(member).collect();
         Self { motion, members }
     }
 

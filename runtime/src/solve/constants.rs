@@ -23,8 +23,9 @@ pub(super) const ITERATIONS: u32 = 12;
 /// The change of a last iteration is `c / rate²`, for `rate² × change` is what its error, `rate × change`, moves the state by: with this `c`, a
 /// fortieth of a unit.
 pub(super) const HARDLY: f64 = 0.025;
-/// But it is no less and no more than this, in units. Less would be rounding; where it is more, what is evaluated before the last iteration is not what
-/// belongs to the solution. The last one is for all iterations but the first, which contract by more than the angle of a step in some planes.
+/// But it is no less and no more than this, in units. Less would be rounding; where it is more, what is evaluated
+/// before the last iteration is not what belongs to the solution. The last one is for all iterations but the first,
+/// which contract by more than the angle of a step in some planes.
 pub(super) const TOLERANCE: [f64; 3] = [8.0, 128.0, 16.0];
 /// The most simplified Newton steps on the fast path beside the first.
 pub(super) const FEW: u32 = 3;
@@ -38,8 +39,8 @@ pub(super) const FORGETS: f64 = 0.25;
 pub(super) const NEWTON: [f64; 2] = [2.0, 1e8];
 /// The largest rate of contraction of which `c / rate²` is as much as the last of these.
 pub(super) const QUICK: f64 = 0.04;
-/// Changes from here on show the rate of contraction, in units. Of Newton's method, which leaves a part of the change's square, that part is no less than
-/// one over this.
+/// Changes from here on show the rate of contraction, in units. Of Newton's method, which leaves a part of the change's
+/// square, that part is no less than one over this.
 pub(super) const SHARP: f64 = 256.0;
 /// Steps between two measurements of the rate: at first, and in the long run.
 pub(super) const INTERVALS: [u16; 2] = [16, 2048];

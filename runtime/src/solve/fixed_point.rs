@@ -8,7 +8,8 @@ use crate::kernel::{AtState, Kernel};
 use crate::scalar::blocks::{change, is_within};
 use crate::scalar::{Batch, Mask};
 
-/// Iterates from a guess, in lanes where it is to be [tried](Memory::tries), as long as iterations contract strongly; `first` is where the first one led to, if it was made.
+/// Iterates from a guess, in lanes where it is to be [tried](Memory::tries), as long as iterations contract strongly;
+/// `first` is where the first one led to, if it was made.
 ///
 /// What is left after an iteration is its change times the rate of contraction: that of the changes before, as long as these were more than
 /// rounding, or the one that was known before.

@@ -119,8 +119,8 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
         self.due == 0
     }
 
-    /// The lanes in which iterations end where they do on the fast path, and show no other rate: where that takes a step of Newton's method in one lane and
-    /// not in another, both are taken beside it, to the same digits.
+    /// The lanes in which iterations end where they do on the fast path, and show no other rate: where that takes a
+    /// step of Newton's method in one lane and not in another, both are taken beside it, to the same digits.
     #[inline(always)]
     pub(super) fn is_as_fast(&self, convergence: Convergence) -> T::Mask {
         match convergence {
@@ -145,8 +145,8 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
         self.is_ready = U::LENGTH == 0;
     }
 
-    /// Remembers a step that was not taken on the fast path: its solution, and the rate of contraction as it was seen. Lanes that are solved as `quick`
-    /// as there learn no more than there.
+    /// Remembers a step that was not taken on the fast path: its solution, and the rate of contraction as it was seen.
+    /// Lanes that are solved as `quick` as there learn no more than there.
     #[inline(always)]
     pub(super) fn learn<K: Kernel<T, Unknown = U>>(
         &mut self,

@@ -182,9 +182,9 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         self.oldest = oldest;
     }
 
-    /// Takes one more solution, whatever there is. Where a few of the earlier solutions predict it better than all, as where a control has jumped,
-    /// the others are forgotten. What one lane learns, others beside it make no difference to: where all were of use and the step was as `quick` as on
-    /// the fast path, it would have been taken there.
+    /// Takes one more solution, whatever there is. Where a few of the earlier solutions predict it better than all, as
+    /// where a control has jumped, the others are forgotten. What one lane learns, others beside it make no difference
+    /// to: where all were of use and the step was as `quick` as on the fast path, it would have been taken there.
     #[inline(always)]
     pub(super) fn learn(&mut self, blocks: &[usize], start: Option<&U>, solution: &U, quick: T::Mask) {
         let is_newton = start.is_some();
@@ -292,6 +292,8 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         }
         if self.remembers() {
             self.predict(is_newton);
+        } else {
+            self.is_full = false;
         }
     }
 }

@@ -162,7 +162,8 @@ impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
         self.newton(unknown, evaluations, parts > 1, last)
     }
 
-    /// The solution to which Newton's method leads from there, after so many evaluations: from its first approximation, or as the last part of a path.
+    /// The solution to which Newton's method leads from there, after so many evaluations: from its first approximation,
+    /// or as the last part of a path.
     fn newton(&self, from: U, before: u32, is_part: bool, way: Newton) -> Option<Rescued<T, U>> {
         let mut unknown = from;
         let mut last = f64::INFINITY;

@@ -449,8 +449,8 @@ fn rescue<T: Batch, K: Kernel<T>>(
     errors
 }
 
-/// Where a step has led to, if its equation is solved in all lanes and nothing is wrong. What it learns of the step is compiled in line, a twentieth of
-/// the instructions of steps with two iterations, in one place of each kernel.
+/// Where a step has led to, if its equation is solved in all lanes and nothing is wrong. What it learns of the step is
+/// compiled in line, a twentieth of the instructions of steps with two iterations, in one place of each kernel.
 #[inline(always)]
 fn advanced<T: Batch, K: Kernel<T>, const IN_LINE: bool>(
     equation: &AtState<'_, T, K>,

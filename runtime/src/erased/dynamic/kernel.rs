@@ -8,7 +8,7 @@ use crate::bytecode::{self, Function, Given};
 use crate::kernel::{Blocks, Evaluation, Kernel};
 use crate::scalar::blocks::less;
 use crate::scalar::bounded::Bounded;
-use crate::scalar::simd::frame::{FEW, Few, Handle};
+use crate::scalar::simd::frame::{Handle, MACHINE_LANES, MachineLanes};
 use crate::scalar::simd::march;
 use crate::scalar::{Batch, Scalar};
 
@@ -268,9 +268,9 @@ pub(super) trait OfKernel<T: Called> {
     fn made<const U: usize>(self, step: &Arc<Step>) -> Self::Made;
 }
 
-/// How many numbers there are from one solution to the next where those of so many unknowns are remembered, of one member or of [`FEW`].
+/// How many numbers there are from one solution to the next where those of so many unknowns are remembered, of one member or of [`MACHINE_LANES`].
 pub const fn row_length(unknowns: usize, members: usize) -> usize {
-    if members == FEW { length_of::<Few>(unknowns) } else { length_of::<f64>(unknowns) }
+    if members == MACHINE_LANES { length_of::<MachineLanes>(unknowns) } else { length_of::<f64>(unknowns) }
 }
 
 const fn length_of<T: Batch>(unknowns: usize) -> usize {

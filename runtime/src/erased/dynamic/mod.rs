@@ -12,7 +12,7 @@ mod system;
 mod taylor;
 
 pub use crate::scalar::Work;
-pub use crate::scalar::simd::frame::{FEW, LANES, side_by_side};
+pub use crate::scalar::simd::frame::{LANES, MACHINE_LANES, side_by_side};
 pub use crate::scalar::simd::march::{March, Marching};
 pub use crate::scheme::Rule;
 pub use kernel::{MOST_UNKNOWNS, row_length};

@@ -6,7 +6,7 @@ use std::vec::Vec;
 
 use crate::erased::jacobian::Jacobian;
 use crate::retraction::RetractionKind;
-use crate::scalar::simd::frame::{FEW, Few, Framed, LANES, Wide};
+use crate::scalar::simd::frame::{Framed, LANES, MACHINE_LANES, MachineLanes, Wide};
 use crate::scalar::simd::march::March;
 use crate::scheme::Rule;
 
@@ -38,7 +38,7 @@ pub trait StepFunctions: Send + Sync + 'static {
     /// Calls a function on several frames, number by number side by side. In each lane the result is that of the lane alone, bit for bit.
     fn call_wide(&self, function: StepFunction, frame: &mut [[f64; LANES]]);
     /// Calls a function on fewer frames, in the same way.
-    fn call_few(&self, function: StepFunction, frame: &mut [[f64; FEW]]);
+    fn call_machine_lanes(&self, function: StepFunction, frame: &mut [[f64; MACHINE_LANES]]);
     /// Whether there may be machine code that takes many steps at a time, as long as they are as most are.
     fn has_march(&self) -> bool {
         false
@@ -47,8 +47,8 @@ pub trait StepFunctions: Send + Sync + 'static {
     fn march(&self, _then: Option<usize>) -> Option<March> {
         None
     }
-    /// The same of [`FEW`] members side by side.
-    fn march_few(&self, _then: Option<usize>) -> Option<March> {
+    /// The same of [`MACHINE_LANES`] members side by side.
+    fn march_machine_lanes(&self, _then: Option<usize>) -> Option<March> {
         None
     }
 }
@@ -220,9 +220,9 @@ impl Called for f64 {
     }
 }
 
-impl Called for Few {
-    fn call(functions: &dyn StepFunctions, function: StepFunction, frame: &mut [[f64; FEW]]) {
-        functions.call_few(function, frame);
+impl Called for MachineLanes {
+    fn call(functions: &dyn StepFunctions, function: StepFunction, frame: &mut [[f64; MACHINE_LANES]]) {
+        functions.call_machine_lanes(function, frame);
     }
 
     fn has_march(functions: &dyn StepFunctions) -> bool {
@@ -230,7 +230,7 @@ impl Called for Few {
     }
 
     fn march(functions: &dyn StepFunctions, then: Option<usize>) -> Option<March> {
-        functions.march_few(then)
+        functions.march_machine_lanes(then)
     }
 }
 

@@ -24,10 +24,10 @@ pub(crate) type Wide = Lanes<f64, LANES, Portable>;
 
 /// How many members machine code steps side by side, in two registers. Steps of Newton's method, which wait for one operation after the other, take a
 /// third less so than in one register; others as much or a little less, with as many instructions.
-pub const FEW: usize = 4;
+pub const MACHINE_LANES: usize = 4;
 
 /// So many numbers.
-pub(crate) type Few = Lanes<f64, FEW, Portable>;
+pub(crate) type MachineLanes = Lanes<f64, MACHINE_LANES, Portable>;
 
 /// Whether the processor has the instructions for [`Wide`] numbers.
 pub(crate) fn has_lanes() -> bool {

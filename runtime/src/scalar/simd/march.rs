@@ -6,7 +6,7 @@ use std::any::Any;
 use std::sync::Arc;
 use std::vec::Vec;
 
-use super::frame::{FEW, Framed};
+use super::frame::{Framed, MACHINE_LANES};
 use crate::scalar::Components;
 use crate::scalar::rows::Row;
 
@@ -14,7 +14,7 @@ use crate::scalar::rows::Row;
 pub(crate) const WINDOW: usize = 16;
 
 /// What machine code goes on from in one stage of its steps, and where it has led to: of one member, or of
-/// [`FEW`] whose numbers are side by side.
+/// [`MACHINE_LANES`] whose numbers are side by side.
 #[repr(C)]
 #[derive(Debug)]
 pub struct Marching {
@@ -28,7 +28,7 @@ pub struct Marching {
     /// The latest solution, of Newton's method.
     pub solution: *mut f64,
     /// The relative change of an iteration that may be the last, of each member.
-    pub tolerance: [f64; FEW],
+    pub tolerance: [f64; MACHINE_LANES],
     /// Steps start at `start + taken · step`.
     pub start: f64,
     /// As above.
