@@ -4,6 +4,7 @@ use core::marker::PhantomData;
 
 use crate::method::{Advanced, Clock, Failure, Method, Outcome, Stage, StepsReport};
 use crate::scalar::simd::lanes::{Portable, Processor};
+use crate::scalar::simd::loads::one_by_one;
 use crate::scalar::{Batch, Components, LongWork, On, Scalar, Work, functions, mapped, operators};
 use crate::system::{Discretized, System};
 
@@ -103,7 +104,8 @@ impl<T: Batch, B: Method<Scalar = FusedScalar<T>>, C: Components<T>> Work for St
     #[inline(always)]
     fn done(self) -> Outcome<T, C> {
         let Self { method, from, state, time, control, known } = self;
-        match (Stage { method, from, state: &wrapped(state), time, control, known }).done() {
+        let state = &wrapped(&one_by_one::<T, _>(state));
+        match (Stage { method, from, state, time, control, known }).done() {
             Ok(advanced) => Ok(without(advanced)),
             Err(Failure { errors, advanced }) => Err(Failure { errors, advanced: without(advanced) }),
         }

@@ -9,7 +9,7 @@ use core::marker::PhantomData;
 
 use crate::error::{ParameterError, StepError};
 use crate::method::{Advanced, Clock};
-use crate::scalar::simd::loads::one_by_one;
+use crate::scalar::simd::loads::{apart, one_by_one};
 use crate::scalar::{Components, Real, Scalar};
 use crate::snapshot::{self, visit_flag};
 pub use crate::system::stepper::Stepper;
@@ -243,7 +243,8 @@ impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
     /// cannot be solved, or its solution lies outside the retraction's domain. State and time are then as before the call.
     #[inline]
     pub fn step_with(&mut self, state: &mut S::State, control: &S::Control) -> Result<StepReport, StepError> {
-        let components = state.to_components();
+        // the step before may have stored it a moment ago, in other pieces
+        let components = apart::<S::Scalar, _>(&state.to_components());
         if !self.is_left_at(&components) {
             return self.step_anew(state, control);
         }
@@ -369,7 +370,7 @@ impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
     #[inline(always)]
     fn is_left_at(&self, state: &S::StateComponents<S::Scalar>) -> bool {
         match &self.left {
-            Some(left) => is_same(left.as_ref(), state.as_ref()),
+            Some(left) => is_same(one_by_one::<S::Scalar, _>(left).as_ref(), state.as_ref()),
             None => false,
         }
     }
