@@ -194,11 +194,8 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
             self.note(solution);
         }
         let [one, low, full] = [1.0, LOW as f64, WINDOW as f64].map(T::of);
-        // the first after a state that no step has led to: there is nothing to compare it with
         if !self.remembers() {
-            self.count = one;
-            self.push(&kept);
-            self.next = plus(&U::splat(T::of(0.0)), one, &kept);
+            self.learn_first(&kept);
             return;
         }
         let next = from_start(&self.next);
@@ -229,6 +226,14 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         self.count = T::select(is_near, before, self.count);
         self.push(&kept);
         self.predict(is_newton);
+    }
+
+    /// Takes the first solution after a state that no step has led to: there is nothing to compare it with.
+    #[inline(never)]
+    fn learn_first(&mut self, solution: &U) {
+        self.count = T::of(1.0);
+        self.push(solution);
+        self.next = plus(&U::splat(T::of(0.0)), T::of(1.0), solution);
     }
 
     /// Predicts the next solution.
