@@ -39,7 +39,7 @@ pub const CONSTANTS: &[Constant] = &[
         "weights of x[j] - x[16-j] with j = 1, 2, 3, 5, 7, which continue sixteen solutions"),
     constant("BINOMIAL", &[8.0, -28.0, 56.0, -70.0],
         "the first half of the weights that continue eight, of simplified Newton steps"),
-    constant("FEW", &[3.0], "the most simplified Newton steps on the fast path beside the first"),
+    constant("FEW", &[6.0], "the most simplified Newton steps on the fast path beside the first"),
     constant("LEFT", &[4.0], "what the last of several of them leaves, in units"),
     constant("FORGETS", &[0.25], "their rate becomes smaller by this factor at most each time that it is measured"),
     constant("SMALL", &[4096.0], "a prediction off by less, in units, is off by rounding"),

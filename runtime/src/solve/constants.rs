@@ -28,7 +28,7 @@ pub(super) const HARDLY: f64 = 0.025;
 /// which contract by more than the angle of a step in some planes.
 pub(super) const TOLERANCE: [f64; 3] = [8.0, 128.0, 16.0];
 /// The most simplified Newton steps on the fast path beside the first.
-pub(super) const FEW: u32 = 3;
+pub(super) const FEW: u32 = 6;
 /// What the last of several simplified Newton steps leaves, if it contracts as it shows to, in units.
 pub(super) const LEFT: f64 = 4.0;
 /// The rate of contraction of simplified Newton steps becomes smaller by this factor at most each time that it is measured: it differs from one

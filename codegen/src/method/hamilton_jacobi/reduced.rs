@@ -59,8 +59,23 @@ pub(super) fn step<'a>(discretization: &Discretization<'_, 'a>, order: usize) ->
     let at = |mean: &SemidirectVector<'a>, vector: &Vector<'a>| {
         vector.substitute(&values(&flat(&m), &flat(mean))).scale(*step)
     };
-    let start = at(&near, &velocity(discretization, coarse)).hold();
     let right = at(&mean, &velocity(discretization, &functions[..order / 2]));
+    let by_eta = |mean: &Vector<'a>| mean.jacobian(&flat(&eta).symbols()).map(Expr::hold);
+    let [second, third] = [2, 3].map(|terms| by_eta(&flat(&series_of_mean(discretization, &eta, terms))));
+    let short = group.d_right_dual(system.side.carrying(Retraction::Coarse), &signed, &m);
+    let short = by_eta(&flat(&short).map(Expr::with_short_stumpff));
+    let begun = |functions: &[Expr<'a>], by_y: &Matrix<'a>| {
+        let start = at(&near, &velocity(discretization, functions)).hold();
+        let parts = [(functions, by_y.clone()), (first, second.clone())];
+        let matrix = NewtonMatrix { discretization, parts }.at(&near, &values(&flat(&eta), &start), &eta);
+        let operations = Vector::concat([&start, &Vector(matrix.entries.clone())]).operations();
+        (start, matrix, operations)
+    };
+    let (fine, rough) = (begun(coarse, &short), begun(first, &third));
+    let saved = fine.2.saturating_sub(rough.2);
+    // most steps take half an iteration more then, and an iteration waits for more than its operations
+    let is_rough = saved > rough.2.max(right.operations() * 2 / 3);
+    let (start, begun, _) = if is_rough { rough } else { fine };
 
     let lengths = eta.spaces.iter().map(|w| vec![w.len()]);
     let blocks = [group.blocks()].into_iter().chain(lengths);
@@ -78,67 +93,50 @@ pub(super) fn step<'a>(discretization: &Discretization<'_, 'a>, order: usize) ->
     let path = Path { middle: system.configuration(), y: eta.base.clone() };
     let mut whole = discretization.lifted(presolved, &path, &next);
 
-    let rough = group.d_right_dual(system.side.carrying(Retraction::Coarse), &signed, &m);
-    let matrix = NewtonMatrix::new(discretization, &eta, &rough, coarse);
     let left = whole.unknown.symbols();
-    let there = values(&flat(&eta), &start);
-    whole.iteration = Iteration::Newton(matrix.at(&near, &there, &left));
-    whole.matrix = matrix.at(&mean, &[], &left).map(|entry| entry.substitute(&found));
+    let symbols = flat(&eta).symbols();
+    let rows: Vec<usize> = (0..symbols.len()).filter(|&k| left.contains(&symbols[k])).collect();
+    whole.iteration = Iteration::Newton(begun.reduced_to(&rows));
+    let matrix =
+        NewtonMatrix { discretization, parts: [(coarse, short), (first, second)] }.at(&mean, &[], &eta);
+    whole.matrix = matrix.reduced_to(&rows).map(|entry| entry.substitute(&found));
     whole
 }
 
-/// Newton's matrix `1 − t S″ ∂m̄/∂η`, up to a few terms: of `S` those of the [coarse](COARSE) step. What `w` moves is of the
-/// next order already: there `h″` will do, so that equations of `w` have no other `w` in them where `h` is a sum of a
-/// function of `μ` and one of `a`.
+/// Newton's matrix `1 − t S″ ∂m̄/∂η`, up to a few terms: of `S` those of the [coarse](COARSE) step, or its first. What `w`
+/// moves is of the next order already: there `h″` will do, so that equations of `w` have no other `w` in them where `h` is
+/// a sum of a function of `μ` and one of `a`.
 struct NewtonMatrix<'s, 'a> {
     discretization: &'s Discretization<'s, 'a>,
-    eta: Vector<'a>,
-    /// For the columns of `y` and those of `w`.
-    parts: [HessianAndMean<'a>; 2],
+    /// Terms of `S`, and `∂m̄/∂η`, for the columns of `y` and those of `w`.
+    parts: [(&'s [Expr<'a>], Matrix<'a>); 2],
 }
 
-/// `S″/t` and `∂m̄/∂η`
-type HessianAndMean<'a> = (Matrix<'a>, Matrix<'a>);
-
-impl<'s, 'a> NewtonMatrix<'s, 'a> {
-    fn new(
-        discretization: &'s Discretization<'s, 'a>,
-        eta: &SemidirectVector<'a>,
+impl<'a> NewtonMatrix<'_, 'a> {
+    /// At a mean and values of the unknowns.
+    fn at(
+        &self,
         mean: &SemidirectVector<'a>,
-        coarse: &[Expr<'a>],
-    ) -> Self {
-        let system = discretization.system;
-        let m = system.momentum_and_advected();
-        let symbols = flat(eta).symbols();
-        let hessian = |functions: &[Expr<'a>]| {
-            let whole = sum(discretization, functions);
-            let gradient = gradient(whole.multiplied_out().unwrap_or(whole), &flat(&m).symbols());
-            gradient.jacobian(&flat(&m).symbols()).map(Expr::hold)
-        };
-        let by_eta = |mean: &Vector<'a>| mean.jacobian(&symbols).map(Expr::hold);
-        let rough = turned(discretization, eta, &m.plus(&turned(discretization, eta, &m, 3)), 2);
-        let parts = [
-            (hessian(coarse), by_eta(&flat(mean).map(Expr::with_short_stumpff))),
-            (hessian(&coarse[..1]), by_eta(&flat(&rough))),
-        ];
-        Self { discretization, eta: flat(eta), parts }
-    }
-
-    /// At a mean and values of the unknowns, with rows and columns for these alone.
-    fn at(&self, mean: &SemidirectVector<'a>, there: &[(Symbol, Expr<'a>)], left: &[Symbol]) -> Matrix<'a> {
+        there: &[(Symbol, Expr<'a>)],
+        eta: &SemidirectVector<'a>,
+    ) -> Matrix<'a> {
         let Discretization { system, step, .. } = self.discretization;
-        let mean = values(&flat(&system.momentum_and_advected()), &flat(mean));
-        let parts = self.parts.clone().map(|(hessian, by_eta)| {
-            (hessian.map(|entry| entry.substitute(&mean)), by_eta.map(|entry| entry.substitute(there)))
+        let m = flat(&system.momentum_and_advected());
+        let mean = values(&m, &flat(mean));
+        let parts = self.parts.each_ref().map(|(functions, by_eta)| {
+            let whole = sum(self.discretization, functions);
+            let gradient = gradient(whole.multiplied_out().unwrap_or(whole), &m.symbols());
+            let hessian = gradient.jacobian(&m.symbols()).map(Expr::hold);
+            let by_eta = by_eta.clone().map(|entry| entry.substitute(there));
+            (hessian.map(|entry| entry.substitute(&mean)), by_eta)
         });
-        let symbols = self.eta.symbols();
+        let symbols = flat(eta).symbols();
         let one = Matrix::identity(step.arena(), symbols.len());
         let entry = |i: usize, j: usize| {
             let (hessian, by_eta) = &parts[usize::from(j >= system.dimension())];
             (one.at(i, j) - hessian.row(i).dot(&by_eta.column(j)) * *step).hold()
         };
-        let rows: Vec<usize> = (0..symbols.len()).filter(|&k| left.contains(&symbols[k])).collect();
-        Matrix::from_fn(symbols.len(), symbols.len(), entry).reduced_to(&rows)
+        Matrix::from_fn(symbols.len(), symbols.len(), entry)
     }
 }
 
@@ -192,6 +190,17 @@ fn turned<'a>(
     let Discretization { system, step, .. } = discretization;
     let eta = eta.scale(step.arena().number(system.side.sign()));
     system.group.coadjoint(&eta, m).scale(step.arena().number(Number::ratio(1, by)))
+}
+
+/// `m̄ − m_k = ½ ad*_η (m_k + ⅓ ad*_η (m_k + …))`, so many terms.
+fn series_of_mean<'a>(
+    discretization: &Discretization<'_, 'a>,
+    eta: &SemidirectVector<'a>,
+    terms: i128,
+) -> SemidirectVector<'a> {
+    let m = discretization.system.momentum_and_advected();
+    let last = turned(discretization, eta, &m, terms + 1);
+    (2..=terms).rev().fold(last, |inner, by| turned(discretization, eta, &m.plus(&inner), by))
 }
 
 /// `m̄` up to `t³`, from `η₁`.
