@@ -60,6 +60,7 @@ pub const CONSTANTS: &[Constant] = &[
     constant("NEAR", &[0.125], "a solution nearer to the first approximation is the one that Newton's method finds from there"),
     constant("TOWARDS", &[0.25], "so is it where a correction from there leads nearer by this factor"),
     constant("DAMPED", &[40.0], "the most evaluations of a damped iteration"),
+    constant("NEARLY", &[1e6], "where a residual is fewer times what rounding leaves of its terms, they are made in full"),
     constant("SHORTEST", &[1e-3], "corrections are not made shorter than by this factor"),
     constant("PARTS", &[1.0, 4.0, 16.0, 64.0], "parts of the way from the first approximation"),
     constant("EVALUATIONS", &[8.0], "evaluations of each part but the last, on average and at most"),

@@ -460,10 +460,14 @@ impl Stepper {
             if known && batches {
                 let (clock, most) = (self.clock(), count - report.steps);
                 let method = method(&mut self.method);
-                let (advanced, _) = method.advance_n(&mut self.left, &mut self.next, clock, control, most);
+                let (advanced, failure) =
+                    method.advance_n(&mut self.left, &mut self.next, clock, control, most);
                 batches = advanced.steps > 0;
                 self.taken += advanced.steps;
                 report.add_steps(&advanced);
+                if let Some(failure) = failure {
+                    break Err(failure.first());
+                }
             }
             if report.steps == count {
                 break Ok(());

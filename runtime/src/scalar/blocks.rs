@@ -98,6 +98,20 @@ pub(crate) fn is_below<T: Batch, U: Components<T>>(blocks: &[usize], of: &U, bou
     is_below
 }
 
+/// The blocks that are not [below](is_below) a bound; the others are zero.
+#[inline(always)]
+pub(crate) fn beyond<T: Batch, U: Components<T>>(blocks: &[usize], of: &U, bound: &U) -> U {
+    let (mut beyond, mut from) = (*of, 0_usize);
+    blocks!(blocks, U::LENGTH, i, [size = T::of(0.0) => of.as_ref()[i].abs(), most = floor() => bound.as_ref()[i].abs()], {
+        let is_below = size.le(most) & most.is_finite();
+        while from < i {
+            beyond.as_mut()[from] = T::select(is_below, T::of(0.0), beyond.as_ref()[from]);
+            from += 1;
+        }
+    });
+    beyond
+}
+
 /// `yes` where the mask is true, `no` elsewhere.
 #[inline(always)]
 pub(crate) fn select<T: Batch, U: Components<T>>(mask: T::Mask, yes: &U, no: &U) -> U {

@@ -59,6 +59,8 @@ pub(super) const TOWARDS: f64 = 0.25;
 
 /// Evaluations of a damped iteration, at most.
 pub(super) const DAMPED: u32 = 40;
+/// Where a residual is fewer times than this what rounding leaves of its terms, corrections are made in full.
+pub(super) const NEARLY: f64 = 1e6;
 /// A correction is not made shorter than by this factor.
 pub(super) const SHORTEST: f64 = 1e-3;
 /// In how many parts a step is continued from its first approximation, if it takes more; one is Newton's method as it is.

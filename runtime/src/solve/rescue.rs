@@ -1,11 +1,11 @@
 //! What is done for a step that neither iterations nor Newton's method solve: a lane at a time, from nothing that is remembered.
 
 use super::constants::{
-    APART, DAMPED, EVALUATIONS, ON_THE_WAY, PARTS, ROUNDINGS, SHORTEST, STRIDE, WANDERING,
+    APART, DAMPED, EVALUATIONS, NEARLY, ON_THE_WAY, PARTS, ROUNDINGS, SHORTEST, STRIDE, WANDERING,
 };
 use crate::error::StepError;
 use crate::kernel::{Equation, Evaluation, finite};
-use crate::scalar::blocks::{is_below, less, plus, relative};
+use crate::scalar::blocks::{beyond, is_below, less, plus, relative};
 use crate::scalar::{Batch, Components, Mask, Real, Work};
 
 /// A solution, what is left of its terms, and how many evaluations it took.
@@ -47,6 +47,16 @@ impl<T: Batch, U: Components<T>> Work for Rescue<'_, T, U> {
     }
 }
 
+/// The larger of each two sizes that are finite.
+fn larger<T: Batch, U: Components<T>>(a: &U, b: &U) -> U {
+    let mut larger = *a;
+    for (a, b) in larger.as_mut().iter_mut().zip(b.as_ref()) {
+        let is_larger = a.abs().lt(b.abs()) & b.is_finite();
+        *a = T::select(is_larger, *b, *a);
+    }
+    larger
+}
+
 /// How far Newton's method goes.
 #[derive(Clone, Copy, PartialEq)]
 enum Newton {
@@ -81,6 +91,16 @@ impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
         is_below::<T, _>(self.blocks, residual, rounding).lane(self.lane).then_some(left)
     }
 
+    /// The equation at an unknown with Newton's correction for the blocks of its residual that are more than what rounding
+    /// leaves of their terms, and these. A correction for the others would be one at random, and it is the next residual
+    /// of those that depend on what it changes.
+    fn corrected(&self, unknown: &U) -> (Evaluation<U, U>, U) {
+        let Evaluation { residual, right, .. } = self.equation.corrected(unknown, None);
+        let beyond = beyond::<T, _>(self.blocks, &residual, &self.rounding(unknown));
+        let iterate = self.equation.corrected(unknown, Some(&beyond)).iterate;
+        (Evaluation { residual, right, iterate }, beyond)
+    }
+
     /// What rounding leaves of the residual.
     fn rounding(&self, unknown: &U) -> U {
         self.equation.roundoff(unknown, self.lane)
@@ -88,8 +108,7 @@ impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
 
     /// Newton's method with corrections that are halved where the residual, relative to its terms, does not become smaller; and whether none was.
     fn damped(&self) -> (Result<Rescued<T, U>, StepError>, bool) {
-        // fixed weights: how large the terms are in the beginning
-        let terms = self.rounding(self.start);
+        let mut terms = self.rounding(self.start);
         if !finite::<T, _>(&terms).lane(self.lane) {
             let Evaluation { residual, right, .. } = self.equation.corrected(self.start, None);
             let left = self.size(relative::<T, _>(self.blocks, &residual, &right));
@@ -102,15 +121,18 @@ impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
             return (Err(error), false);
         }
         let (mut unknown, mut trial, mut correction) = (*self.start, *self.start, *self.start);
-        let (mut smallest, mut left, mut scale, mut is_direct) = (f64::INFINITY, f64::INFINITY, 1.0, true);
+        let (mut best, mut left, mut scale, mut is_direct) = (None, f64::INFINITY, 1.0, true);
         for evaluations in 1..=DAMPED {
-            let Evaluation { residual, right, iterate: newest } = self.equation.corrected(&trial, None);
-            let now = self.size(relative::<T, _>(self.blocks, &residual, &terms));
+            let (Evaluation { residual, right, iterate: newest }, beyond) = self.corrected(&trial);
             if let Some(residual) = self.solved(&residual, &trial) {
                 return (Ok(Rescued { unknown: trial, residual, evaluations }), is_direct);
             }
-            if now < smallest {
-                (unknown, smallest, correction, scale) = (trial, now, newest, 1.0);
+            // the largest so far: at rest there are none in the beginning
+            terms = larger(&terms, &self.rounding(&trial));
+            let size = |residual: &U| self.size(relative::<T, _>(self.blocks, residual, &terms));
+            // near a solution, what becomes larger is what rounding of some unknowns leaves of terms of others that cancel
+            if size(&beyond) < best.as_ref().map_or(f64::INFINITY, size).max(NEARLY) {
+                (unknown, best, correction, scale) = (trial, Some(beyond), newest, 1.0);
                 // what an error tells, next to the right side as it is there
                 left = self.size(relative::<T, _>(self.blocks, &residual, &right));
                 if !self.size(relative::<T, _>(self.blocks, &correction, &unknown)).is_finite() {
@@ -168,7 +190,7 @@ impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
         let mut unknown = from;
         let mut last = f64::INFINITY;
         for evaluations in 1..=WANDERING {
-            let Evaluation { residual, iterate: correction, .. } = self.equation.corrected(&unknown, None);
+            let (Evaluation { residual, iterate: correction, .. }, _) = self.corrected(&unknown);
             if let Some(residual) = self.solved(&residual, &unknown) {
                 // what leads farther than a part of a path does may have come to another one
                 let far = self.size(relative::<T, _>(self.blocks, &less(&unknown, &from), &unknown));

@@ -375,7 +375,7 @@ const COUNTS: &[&str] = &[
     "EVALUATIONS",
     "WANDERING",
 ];
-const DOUBLES: &[&str] = &["SHORTEST", "STRIDE", "ON_THE_WAY"];
+const DOUBLES: &[&str] = &["NEARLY", "SHORTEST", "STRIDE", "ON_THE_WAY"];
 /// Those of equations that are solved in few lines.
 const COMPACT: &[&str] =
     &["STRONG", "FAR", "ITERATIONS", "HARDLY", "TOLERANCE", "NEWTON", "SHARP", "RESIDUAL", "PROGRESS"];

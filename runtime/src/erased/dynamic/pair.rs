@@ -197,7 +197,10 @@ impl<T: Called, const U: usize> Method<T> for Pair<T, U> {
             }
             self.whole = false;
             let time = T::of(clock.after(report.steps));
-            let Ok(advanced) = self.rest(marched, time, control, true, next) else { break };
+            let advanced = match self.rest(marched, time, control, true, next) {
+                Ok(advanced) => advanced,
+                Err(failure) => return (report, Some(failure)),
+            };
             state.copy_from_slice(next);
             self.give(state, control);
             report.steps += 1;

@@ -1,7 +1,7 @@
 //! Lagrangians in which a conserved momentum is zero: carts and poles that are let go, arms and fuel that move in a
 //! craft that floats.
 
-use coadjoint::nalgebra::{SMatrix, SVector, Vector6};
+use coadjoint::nalgebra::{Isometry2, SMatrix, SVector, Vector6};
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, System};
 use coadjoint_support::random::Random;
@@ -294,6 +294,93 @@ fn an_arm_whose_momentum_is_zero() {
     let mut runs = Runs::default();
     check::<Exponential>(&mut runs, &arm, &start, 1e-4);
     check::<Order4<Exponential>>(&mut runs, &arm, &start, 1e-8);
+    runs.assert();
+}
+
+/// A body as heavy in all directions, dropped in air: no torque of air or weight, and `p × v` is rounding.
+#[lie_poisson_system(
+    group = SE2,
+    potential = gravity * inertia.y * pose.translation.y,
+    force = (0.0, -drag * linear_velocity.norm() * linear_velocity),
+)]
+struct Dropped {
+    #[inertia]
+    inertia: Vector3<f64>,
+    gravity: f64,
+    drag: f64,
+}
+
+/// It falls straight, `v = (g/c)^½ tanh((g c)^½ t)`, however it is turned.
+#[test]
+fn bodies_of_one_mass_that_are_dropped_fall_straight_however_they_are_turned() {
+    fn falls<M>(runs: &mut Runs, step: f64, bound: f64)
+    where
+        Dropped: Discretized<M>,
+    {
+        let body = Dropped { inertia: vector![0.02, 1.0, 1.0], gravity: 9.81, drag: 0.2 };
+        let (falling, rate) = ((9.81_f64 / 0.2).sqrt(), (9.81_f64 * 0.2).sqrt());
+        for k in 0..100 {
+            let angle = -3.0 + 0.06 * f64::from(k);
+            let start = DroppedState { pose: Isometry2::new(vector![0.0, 0.0], angle), ..Default::default() };
+            let what = format!("{} by {step}, turned by {angle}", scheme::<M>());
+            let end = walk::<M, _>(&body, &start, step, (0.5 / step).round() as u64);
+            let Some(end) = runs.end(&what, end) else { continue };
+            let speed = -falling * (0.5 * rate).tanh();
+            let momentum = [0.0, speed * angle.sin(), speed * angle.cos()];
+            runs.all_close(&what, end.momentum.as_slice(), &momentum, bound);
+            runs.close(format!("{what}, spin"), end.momentum.x, 0.0, 1e-15);
+        }
+    }
+    let mut runs = Runs::default();
+    for step in [0.1, 0.05, 0.01, 0.005] {
+        falls::<Exponential>(&mut runs, step, 2.0 * step * step);
+        falls::<Cayley>(&mut runs, step, 2.0 * step * step);
+    }
+    falls::<Order4<Exponential>>(&mut runs, 0.05, 1e-5);
+    runs.assert();
+}
+
+/// The same in a well, `¼ k |x|⁴`.
+#[lie_poisson_system(
+    group = SE2,
+    potential = 0.25 * stiffness * pose.translation.vector.norm_squared().powi(2),
+    methods(Midpoint, HamiltonJacobi(4)),
+)]
+struct InWell {
+    #[inertia]
+    inertia: Vector3<f64>,
+    stiffness: f64,
+}
+
+/// It goes to and fro on a line through the bottom, and does not turn.
+#[test]
+fn bodies_of_one_mass_in_a_well_go_to_and_fro_on_a_line() {
+    fn swings<M>(runs: &mut Runs, bound: f64)
+    where
+        InWell: Discretized<M>,
+    {
+        let body = InWell { inertia: vector![0.02, 1.0, 1.0], stiffness: 1.0 };
+        for k in 0..100 {
+            let angle = -3.0 + 0.06 * f64::from(k);
+            let start = InWellState { pose: Isometry2::new(vector![1.0, 0.5], angle), ..Default::default() };
+            let what = format!("{}, turned by {angle}", scheme::<M>());
+            let Some(end) = runs.end(&what, walk::<M, _>(&body, &start, 0.1, 50)) else { continue };
+            let at = end.pose.translation.vector;
+            runs.close(format!("{what}, off the line"), at.x - 2.0 * at.y, 0.0, 1e-13);
+            runs.close(
+                format!("{what}, turned"),
+                end.pose.rotation.angle() - start.pose.rotation.angle(),
+                0.0,
+                1e-12,
+            );
+            runs.close(format!("{what}, energy"), body.energy(&end), body.energy(&start), bound);
+        }
+    }
+    let mut runs = Runs::default();
+    swings::<Exponential>(&mut runs, 1e-2);
+    swings::<Midpoint<Exponential>>(&mut runs, 1e-2);
+    swings::<Midpoint<Cayley>>(&mut runs, 1e-2);
+    swings::<HamiltonJacobi<Exponential, 4>>(&mut runs, 1e-4);
     runs.assert();
 }
 

@@ -42,6 +42,23 @@ U_FN int K_is_below(const REAL *of, const REAL *bound)
     return is_below;
 }
 
+/* The blocks that are larger; the others are zero. */
+U_FN void K_beyond(const REAL *of, const REAL *bound, REAL *beyond)
+{
+    REAL size, most;
+    int i;
+//each block
+    size = ZERO;
+    most = U_FLOOR;
+    for (i = BEGIN; i < END; i++) {
+        size += FABS(of[i]);
+        most += FABS(bound[i]);
+    }
+    for (i = BEGIN; i < END; i++)
+        beyond[i] = size <= most && S_is_finite(most) ? ZERO : of[i];
+//end
+}
+
 /* ---- What is remembered of earlier solutions: it saves time, and nothing else. ---- */
 
 /* x[j], from the latest on. */
@@ -492,12 +509,25 @@ U_FN int K_is_solved(const K_equation *q, const REAL *residual, const REAL *unkn
     return K_is_below(residual, rounding);
 }
 
+/* The equation at an unknown with Newton's correction for the blocks of its residual that are more than what rounding leaves of their terms, and
+ * these. A correction for the others would be one at random, and it is the next residual of those that depend on what it changes. */
+U_FN void K_corrected_beyond(const K_equation *q, const REAL *unknown, K_evaluation *e, REAL *beyond, REAL *correction)
+{
+    REAL residual[SIZE], rounding[SIZE];
+    K_evaluate(q, unknown, e);
+    K_copy(residual, e->residual);
+    K_roundoff(q, unknown, rounding);
+    K_beyond(residual, rounding, beyond);
+    K_corrected(q, unknown, beyond, e, correction);
+    K_copy(e->residual, residual);
+}
+
 /* Newton's method with corrections that are halved where the residual does not become smaller; and whether none was. */
 U_FN S_status K_damped(const K_equation *q, const REAL *start, K_rescued *to, int *is_direct)
 {
-    REAL terms[SIZE], trial[SIZE], correction[SIZE], newest[SIZE];
+    REAL terms[SIZE], trial[SIZE], correction[SIZE], newest[SIZE], rounding[SIZE], beyond[SIZE], best[SIZE];
     K_evaluation e;
-    double smallest = U_LARGEST_DOUBLE, scale = 1, now;
+    double scale = 1, now, most;
     int i, evaluations, is_first = 1;
     *is_direct = 0;
     K_roundoff(q, start, terms);
@@ -509,18 +539,26 @@ U_FN S_status K_damped(const K_equation *q, const REAL *start, K_rescued *to, in
     K_copy(to->unknown, start);
     K_copy(trial, start);
     K_copy(correction, start);
+    K_copy(best, start);
     for (evaluations = 1; evaluations <= U_DAMPED; evaluations++) {
-        K_corrected(q, trial, 0, &e, newest);
-        now = (double)K_relative(e.residual, terms);
+        K_corrected_beyond(q, trial, &e, beyond, newest);
         if (K_is_solved(q, e.residual, trial, &to->residual)) {
             K_copy(to->unknown, trial);
             to->evaluations = evaluations;
             return U_OK;
         }
-        if (is_first ? now <= U_LARGEST_DOUBLE : now < smallest) {
+        /* the largest so far: at rest there are none in the beginning */
+        K_roundoff(q, trial, rounding);
+        for (i = 0; i < SIZE; i++)
+            if (FABS(terms[i]) < FABS(rounding[i]) && S_is_finite(rounding[i]))
+                terms[i] = rounding[i];
+        now = (double)K_relative(beyond, terms);
+        most = is_first ? U_LARGEST_DOUBLE : (double)K_relative(best, terms);
+        /* near a solution, what becomes larger is what rounding of some unknowns leaves of terms of others that cancel */
+        if (is_first ? now <= most : now < most || now < U_NEARLY) {
             K_copy(to->unknown, trial);
+            K_copy(best, beyond);
             K_copy(correction, newest);
-            smallest = now;
             scale = 1;
             is_first = 0;
             if (!S_is_finite(K_relative(correction, to->unknown))) {
@@ -543,13 +581,13 @@ U_FN S_status K_damped(const K_equation *q, const REAL *start, K_rescued *to, in
 /* The solution to which Newton's method leads from there, after so many evaluations; whether there is one. */
 U_FN int K_led(const K_equation *q, const REAL *from, int before, int is_part, int is_wandering, K_rescued *to)
 {
-    REAL correction[SIZE], less[SIZE];
+    REAL correction[SIZE], less[SIZE], beyond[SIZE];
     K_evaluation e;
     double last = 0, moves;
     int i, evaluations;
     K_copy(to->unknown, from);
     for (evaluations = 1; evaluations <= U_WANDERING; evaluations++) {
-        K_corrected(q, to->unknown, 0, &e, correction);
+        K_corrected_beyond(q, to->unknown, &e, beyond, correction);
         if (K_is_solved(q, e.residual, to->unknown, &to->residual)) {
             for (i = 0; i < SIZE; i++)
                 less[i] = to->unknown[i] - from[i];
