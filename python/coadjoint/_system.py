@@ -399,7 +399,10 @@ class BoundSystem:
         return State(self.system._state, self._native.with_velocity(state, float(t), self._control(control)))
 
     def displace(self, y: Any, by: ArrayLike) -> State:
-        """The state displaced by a tangent vector, in the coordinates of `jacobian`."""
+        """The state displaced by a tangent vector, in the coordinates of `jacobian`.
+
+        A configuration `g` becomes `g exp(δ)`, or `exp(δ) g` with `invariance="right"`; to all else its components are added.
+        """
         return State(self.system._state, self._native.displace(self.state(y).flat, numbers(by, "the tangent vector")))
 
     # -- steps -------------------------------------------------------------------------------------------------------------------------------
@@ -600,8 +603,9 @@ class BoundSystem:
     ) -> Jacobian:
         """One step with its derivatives; the description needs `derivatives`.
 
-        Rows and columns are coordinates of tangent vectors: of a vector its components, of a rotation the turn about the axes of the body. `Quantity.tangent`
-        says where each quantity has its own, and `tangent_map` how the stored numbers of a state change by them.
+        Rows and columns are coordinates of tangent vectors: of a vector its components, of a rotation the turn about the axes of the body, or
+        about those of space with `invariance="right"`. `Quantity.tangent` says where each quantity has its own, `displace` moves a state along them,
+        and `tangent_map` says how its stored numbers change by them.
         """
         state = self.state(y).flat
         following, parts = self._native.jacobian(

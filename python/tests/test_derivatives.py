@@ -95,6 +95,91 @@ def test_a_run(driven, start):
     assert (last.parameters.flat == run().gradient(only).parameters.flat).all()
 
 
+def invariant(side):
+    """A body that falls over, a plate on springs, and areas: whose losses see where they are."""
+    body = co.System(
+        group="SO3",
+        invariance=side,
+        control="moment: R3",
+        potential="weight * (attitude * chi).z",
+        force="moment - 0.1 * velocity",
+        derivatives=True,
+        inertia="inertia: Vector3",
+        parameters="weight: float, chi: Vector3",
+    )(inertia=[1, 2, 2.5], weight=0.7, chi=[0.3, -0.2, 0.9])
+    plate = co.System(
+        group="SE2",
+        invariance=side,
+        potential="0.5 * stiffness * pose.translation.x.powi(2) + weight * pose.translation.y",
+        derivatives=True,
+        inertia="inertia: Vector3",
+        parameters="stiffness: float, weight: float",
+    )(inertia=[1, 2, 2.5], stiffness=0.7, weight=0.3)
+    areas = co.System(
+        group="SL(2)",
+        invariance=side,
+        hamiltonian="0.5 * momentum.dot(&momentum.component_div(&inertia))",
+        derivatives=True,
+        parameters="inertia: Vector3",
+    )(inertia=[1, 2, 2.5])
+    return {"body": body, "plate": plate, "areas": areas}
+
+
+@pytest.mark.parametrize("name", ["body", "plate", "areas"])
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_the_coordinates_of_tangent_vectors(side, name):
+    system = invariant(side)[name]
+    start = system.displace(system.state(), [0.4, -0.3, 0.6, 0.5, 0.9, -0.7])
+
+    # how stored numbers change by displacements, and by the motion
+    onto = system.tangent_map(start)
+    for k in range(6):
+        e = np.eye(6)[k] * H
+        own = difference(lambda by: system.displace(start, by).flat, (e, 2 * e), (-e, -2 * e))
+        assert np.abs(onto[:, k] - own).max() < 1e-9
+
+    def step(y):
+        y = y.copy()
+        system.stepper(0.1).step(y)
+        return y.flat
+
+    found = system.jacobian(start, 0.1)
+    onto = system.tangent_map(found.y)
+    for k in range(6):
+        e = np.eye(6)[k] * H
+        own = difference(lambda by: step(system.displace(start, by)), (e, 2 * e), (-e, -2 * e))
+        assert np.abs(onto @ found.state[:, k] - own).max() < 1e-9
+
+    weights = np.random.default_rng(5).normal(size=(11, len(start.flat)))
+
+    def loss(system=system, y=start):
+        return float((system.run(y, 1, step=0.1).y.flat * weights).sum())
+
+    gradient = system.run(start, 1, step=0.1).gradient(weights)
+    for k in range(6):
+        e = np.eye(6)[k] * H
+        own = difference(lambda by: loss(y=system.displace(start, by)), (e, 2 * e), (-e, -2 * e))
+        assert abs(gradient.tangent[k] - own) < 1e-7 * max(1, abs(own))
+    # by the stored numbers, it says the same of every displacement
+    assert np.abs(system.tangent_map(start).T @ gradient.y0.flat - gradient.tangent).max() < 1e-10
+    flat = system.parameters.flat
+    for k in range(len(flat)):
+        e = np.eye(len(flat))[k] * H
+        own = difference(lambda by: loss(system=system.system(flat + by)), (e, 2 * e), (-e, -2 * e))
+        assert abs(gradient.parameters.flat[k] - own) < 1e-7 * max(1, abs(own))
+
+
+def test_turns_are_about_the_axes_of_the_side():
+    about = {}
+    for side in ("left", "right"):
+        body = invariant(side)["body"]
+        lying = body.displace(body.state(), [np.pi / 2, 0, 0, 0, 0, 0])
+        about[side] = body.displace(lying, [0, 0, np.pi / 2, 0, 0, 0]).attitude
+    # the body's third axis lies along −y by now
+    assert np.abs(about["left"] - [0.5, 0.5, -0.5, 0.5]).max() < 1e-12
+    assert np.abs(about["right"] - [0.5, 0.5, 0.5, 0.5]).max() < 1e-12
+
+
 def test_jax():
     pytest.importorskip("jax")
     import runpy

@@ -19,9 +19,14 @@ impl dyn Group + '_ {
         gradient(df.dot(&element), &delta).at_zero(&delta)
     }
 
-    /// The perturbation of the stored coordinates where `g` becomes `g τ(δ)`.
-    pub(super) fn stored_perturbation<'a>(&self, g: &Vector<'a>, delta: &Vector<'a>) -> Vector<'a> {
-        let (symbols, element) = self.neighbourhood(Side::Left, g);
+    /// The perturbation of the stored coordinates where `g` becomes `g τ(δ)`, or `τ(δ) g` as `side` says.
+    pub(super) fn stored_perturbation<'a>(
+        &self,
+        side: Side,
+        g: &Vector<'a>,
+        delta: &Vector<'a>,
+    ) -> Vector<'a> {
+        let (symbols, element) = self.neighbourhood(side, g);
         element.derivative_along(&symbols, delta).at_zero(&symbols)
     }
 

@@ -186,9 +186,11 @@ impl Product {
         })
     }
 
-    /// The perturbation of the stored coordinates where `g` becomes `g τ(δ)`.
-    pub fn stored_perturbation<'a>(&self, g: &Vector<'a>, delta: &Vector<'a>) -> Vector<'a> {
-        self.each(|factor, place| factor.group.stored_perturbation(&place.stored(g), &place.algebra(delta)))
+    /// The perturbation of the stored coordinates where `g` becomes `g τ(δ)`, on the other side `τ(δ) g`.
+    pub fn stored_perturbation<'a>(&self, side: Side, g: &Vector<'a>, delta: &Vector<'a>) -> Vector<'a> {
+        self.each(|factor, place| {
+            factor.group.stored_perturbation(side, &place.stored(g), &place.algebra(delta))
+        })
     }
 }
 

@@ -31,6 +31,14 @@ impl Side {
         }
     }
 
+    /// `g exp(δ)` or `exp(δ) g`, the configuration that is changed by `δ`
+    pub fn displaced(self, by: &str) -> String {
+        match self {
+            Self::Left => format!("g exp({by})"),
+            Self::Right => format!("exp({by}) g"),
+        }
+    }
+
     /// `in body coordinates` or `in space coordinates`
     pub fn coordinates(self) -> &'static str {
         match self {

@@ -60,14 +60,6 @@ pub(super) fn values<'a>(
     values
 }
 
-/// The way of the configuration through a step.
-pub(super) struct Path<'a> {
-    /// `ḡ`
-    pub middle: Vector<'a>,
-    /// `v`
-    pub y: Vector<'a>,
-}
-
 impl<'s, 'a> Discretization<'s, 'a> {
     /// The map with this `s` for a system.
     pub(super) fn new(
@@ -127,28 +119,25 @@ impl<'s, 'a> Discretization<'s, 'a> {
         }
     }
 
-    /// The step from what is left of its equations, the way of the configuration, and the state after it.
+    /// The step from what is left of its equations, the `y` by which it moves the configuration, and the state after it.
     pub(super) fn lifted(
         &self,
         Presolved { equations, found }: Presolved<'a>,
-        path: &Path<'a>,
+        y: &Vector<'a>,
         next: &Parts<'a>,
     ) -> Step<'a> {
         let system = self.system;
-        let start = system.configuration();
         // to the intermediate point and on; where `s` is 0 or 1 at once
-        let increments =
-            [(self.early, self.moving.before, &start), (self.late, self.moving.behind, &path.middle)];
-        let increments = increments.into_iter().filter(|(share, ..)| !share.is_zero());
-        let increment = |(share, retraction, from): (Expr<'a>, Retraction, &Vector<'a>)| Increment {
+        let increments = [(self.early, self.moving.before), (self.late, self.moving.behind)];
+        let increments = increments.into_iter().filter(|(share, _)| !share.is_zero());
+        let increment = |(share, retraction): (Expr<'a>, Retraction)| Increment {
             retraction,
-            from: from.substitute(&found),
-            by: path.y.scale(share).substitute(&found),
+            by: y.scale(share).substitute(&found),
         };
         let increments: Vec<Increment<'a>> = increments.map(increment).collect();
         // both parts of the step are inside the retraction's domain if the longer one is
         let longer = if self.early.as_number() > self.late.as_number() { self.early } else { self.late };
-        let domain = system.group.domain(self.moving.behind, &path.y.scale(longer)).into_iter();
+        let domain = system.group.domain(self.moving.behind, &y.scale(longer)).into_iter();
         let join =
             |part: for<'e> fn(&'e Equation<'a>) -> &'e Vector<'a>| Vector::concat(equations.iter().map(part));
         let (left, right) = (join(|equation| &equation.left), join(|equation| &equation.right));

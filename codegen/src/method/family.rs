@@ -37,7 +37,7 @@
 //!   [`presolve`](super::presolve) does not find it.
 //! * Where the right side does not depend on the unknown, the step is explicit.
 
-use super::discretization::{Discretization, Path, Values, bind, values};
+use super::discretization::{Discretization, Values, bind, values};
 use super::names::symbols;
 use super::presolve::{Equation, presolve};
 use super::step::Step;
@@ -102,8 +102,7 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, m
     let intermediate = family.intermediate(&motion);
     let update = family.update(&motion, &intermediate);
     let presolved = presolve(family.equations(&motion, &update, &intermediate));
-    let path = Path { middle: motion.g_bar, y: motion.y };
-    family.0.lifted(presolved, &path, &update.next)
+    family.0.lifted(presolved, &motion.y, &update.next)
 }
 
 impl<'a> Family<'_, 'a> {

@@ -6,13 +6,13 @@
 //! δx = −(∂F/∂x)⁻¹ δF,   F = left − right,
 //! ```
 //!
-//! and the next state by what this makes of it. Configurations change by elements of the algebra, `g exp(δ)`, whatever
-//! they are stored as; their part of the next state follows from the increments of the step, not from its stored
-//! coordinates, so that no normalization is differentiated:
+//! and the next state by what this makes of it. Configurations change by elements of the algebra, `g exp(δ)`, or
+//! `exp(δ) g` where velocities are in space, whatever they are stored as; their part of the next state follows from the
+//! increments of the step, not from its stored coordinates, so that no normalization is differentiated:
 //!
 //! ```text
 //! g τ(x):  δ' = Ad_{τ(x)⁻¹} δ + dL τ_x δx,   Ad_{τ(x)⁻¹} δ = δ − dL τ_x [x, δ] where τ is equivariant
-//! τ(x) g:  δ' = δ + Ad_{g⁻¹} dL τ_x δx
+//! τ(x) g:  δ' = Ad_{τ(x)} δ + dR τ_x δx,     the same with τ̄ and −x in the places of τ and x
 //! ```
 //!
 //! So does that of advected parameters, which these increments carry: `a' = Ad*_{τ(x)} a` changes by
@@ -20,7 +20,6 @@
 
 use super::step::{Increment, Step};
 use crate::expr::{Arena, Derivative, Expr, Stage, Symbol, Vector, gradient};
-use crate::group::Side;
 use crate::model::{Parts, System};
 use crate::scheme::Derivatives;
 
@@ -92,7 +91,8 @@ fn perturbation<'a>(arena: &'a Arena, of: &str) -> Expr<'a> {
 
 /// The perturbation of every symbol of the state, stored coordinates of configurations included.
 fn state_direction<'a>(system: &System<'a>, perturbed: &Parts<'a>) -> Vec<(Symbol, Expr<'a>)> {
-    let configuration = system.group.stored_perturbation(&system.configuration(), &perturbed.configuration);
+    let configuration =
+        system.group.stored_perturbation(system.side, &system.configuration(), &perturbed.configuration);
     let change = system.join_state(&Parts { configuration, ..perturbed.clone() });
     system.state_symbols().into_iter().zip(change.0).collect()
 }
@@ -120,18 +120,15 @@ impl<'a> Pushforward<'_, 'a> {
         vector.map(|component| self.total.of(component))
     }
 
-    /// `δ' = Ad_{τ(x)⁻¹} δ + dL τ_x δx`, or `δ + Ad_{g⁻¹} dL τ_x δx`, for one increment after the other.
+    /// `δ' = Ad_{τ(x)⁻¹} δ + dL τ_x δx`, or `Ad_{τ(x)} δ + dR τ_x δx`, for one increment after the other.
     fn configuration(&mut self, perturbation: Vector<'a>) -> Vector<'a> {
         let Self { system, step, .. } = *self;
         let group = &system.group;
-        step.increments.iter().fold(perturbation, |perturbation, increment| {
-            let Increment { retraction, from: g, by: x } = increment;
-            let inner = group.d_left(*retraction, x, &self.along(x));
-            let next = match system.side {
-                Side::Left => &group.carried_back(*retraction, x, &perturbation) + &inner,
-                Side::Right => &perturbation + &group.to_body(g, &inner),
-            };
-            next.hold()
+        let sign = step.h.arena().number(system.side.sign());
+        step.increments.iter().fold(perturbation, |perturbation, Increment { retraction, by }| {
+            let (retraction, x) = (system.side.carrying(*retraction), by.scale(sign));
+            let inner = group.d_left(retraction, &x, &self.along(by));
+            (&group.carried_back(retraction, &x, &perturbation) + &inner).hold()
         })
     }
 

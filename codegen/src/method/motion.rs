@@ -2,7 +2,7 @@
 
 use super::discretization::{Values, bind};
 use crate::expr::{Arena, Derivative, Expr, Vector, gradient};
-use crate::group::{SemidirectVector, Side};
+use crate::group::SemidirectVector;
 use crate::model::{Energy, System};
 
 /// How a state changes along the motion, as functions of configuration, velocity, the momentum that belongs to it,
@@ -25,11 +25,7 @@ impl<'a> Field<'a> {
         let velocity = SemidirectVector { base: xi.clone(), spaces: by_advected.collect() };
         let velocity = velocity.scale(arena.number(system.side.sign()));
         let bracket = group.coadjoint(&velocity, &system.momentum_and_advected());
-        let in_body = match system.side {
-            Side::Left => xi,
-            Side::Right => group.to_body(&g, &xi),
-        };
-        let configuration = group.stored_perturbation(&g, &in_body);
+        let configuration = group.stored_perturbation(system.side, &g, &xi);
         let change = system.kick().map_or_else(|| bracket.base.clone(), |kick| &bracket.base + kick);
         let mut direction = Values::new();
         bind(&mut direction, &g, &configuration);

@@ -56,12 +56,10 @@ impl<'a> Step<'a> {
     }
 }
 
-/// One move of the configuration: from `g` to `g τ(x)`, on the other side to `τ(x) g`.
+/// One move of the configuration: from some `g` to `g τ(x)`, on the other side to `τ(x) g`.
 pub struct Increment<'a> {
     /// `τ`
     pub retraction: Retraction,
-    /// `g`, in stored coordinates.
-    pub from: Vector<'a>,
     /// `x`
     pub by: Vector<'a>,
 }

@@ -17,7 +17,7 @@
 //! to `μ_k`, and `μ_{k+1}` to `ξ_{k+1}`. What of it has no closed form is an unknown more; where there is none, which
 //! was reported, the step makes no sense.
 
-use super::discretization::{Discretization, Path, Values, values};
+use super::discretization::{Discretization, Values, values};
 use super::motion::Field;
 use super::names::symbols;
 use super::presolve::{Equation, presolve};
@@ -65,9 +65,7 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, m
     let kick = lift.kick(&motion, &mut equations);
     equations.push(lift.equation(&motion, &velocity, &kick));
     let next = lift.next(&motion, &kick, &mut equations);
-
-    let [Node { configuration: middle, .. }, _] = motion.nodes;
-    lift.0.lifted(presolve(equations), &Path { middle, y: motion.y }, &next)
+    lift.0.lifted(presolve(equations), &motion.y, &next)
 }
 
 impl<'a> Lift<'_, 'a> {

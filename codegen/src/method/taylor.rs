@@ -148,7 +148,7 @@ impl<'s, 'a> Motion<'s, 'a> {
         Self {
             arena,
             system,
-            relative_change: group.stored_perturbation(&relative, &velocity),
+            relative_change: group.stored_perturbation(Side::Left, &relative, &velocity),
             relative,
             translations,
             translation_changes,

@@ -7,3 +7,4 @@ mod hostile;
 mod machine;
 mod own;
 mod same;
+mod tangents;

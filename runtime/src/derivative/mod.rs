@@ -6,10 +6,11 @@
 //!
 //! # Coordinates
 //!
-//! Perturbations are in left-trivialized tangent coordinates, in the order of the state's fields: a configuration `g` changes by an element `δ` of
-//! the Lie algebra, from `g` to `g exp(δ)`, whichever the side of the group is; momenta and advected parameters change by what is added to
-//! them. Controls and parameters change by what is added to their components, constants of the description excepted. The entries of an
-//! inertia matrix count one by one, as the step reads them: perturbations are meant to leave it symmetric.
+//! Perturbations are the tangent vectors of [`Geometry`](crate::system::Geometry), in the order of the state's fields: a configuration `g` changes
+//! by an element `δ` of the Lie algebra, from `g` to `g exp(δ)`, or to `exp(δ) g` where `invariance = right`, as velocities are in the body or in
+//! space; momenta and advected parameters change by what is added to them. Controls and parameters change by what is added to their components,
+//! constants of the description excepted. The entries of an inertia matrix count one by one, as the step reads them: perturbations are meant to
+//! leave it symmetric.
 //!
 //! Jacobians are named, and their blocks taken, output first, then input: the block (`MOMENTUM`, `ATTITUDE`) is the derivative of the next
 //! momentum with respect to the attitude.

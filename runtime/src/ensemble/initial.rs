@@ -9,9 +9,9 @@ use crate::system::Geometry;
 /// The state of a number, from 0: `(0..100).map(normal(…))` starts an ensemble of a hundred members.
 ///
 /// A state is displaced in the local coordinates of its group. Each component of a configuration's is the angle of a turn about an axis of
-/// the body, or a way along it; turns are small rotations `g exp(δ)`, so that no state is off its group. To momenta and advected parameters
-/// their components are added. `deviations` says how far they go for each component, in the order of the state's fields: three numbers for an attitude,
-/// whatever it is stored as.
+/// the body, or a way along it, and of one in space where `invariance = right`; turns are small rotations `g exp(δ)` or `exp(δ) g`, so that no
+/// state is off its group. To momenta and advected parameters their components are added. `deviations` says how far they go for each component,
+/// in the order of the state's fields: three numbers for an attitude, whatever it is stored as.
 ///
 /// ```
 /// use coadjoint::Ensemble;

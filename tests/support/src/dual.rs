@@ -9,7 +9,7 @@ use coadjoint::composition::{Coefficients, Composed};
 use coadjoint::prelude::*;
 use coadjoint::scheme::{Family, TangentLift};
 use coadjoint::system::{Generated, Quantity, Role};
-use coadjoint::{Control, State, System};
+use coadjoint::{Control, Side, State, System};
 use num_dual::Dual64;
 
 use crate::array;
@@ -110,7 +110,7 @@ impl<S: System, C: Coefficients, M: AnyStep<S>> AnyStep<S> for Composed<C, M> {
 /// What changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Input {
-    /// A component of a change of the state, in left-trivialized coordinates.
+    /// A component of a change of the state, in the coordinates of tangent vectors.
     State(usize),
     /// A component of the controls.
     Control(usize),
@@ -133,18 +133,18 @@ where
 {
     let (place, parameters, control) =
         (state.to_components(), system.to_parameters(), control.to_components());
-    let start = perturbed(S::State::QUANTITIES, place.as_ref(), input);
+    let start = perturbed(S::SIDE, S::State::QUANTITIES, place.as_ref(), input);
     let parameters =
         array(|i| Dual64::new(parameters.as_ref()[i], f64::from(u8::from(input == Input::Parameters(i)))));
     let control =
         array(|i| Dual64::new(control.as_ref()[i], f64::from(u8::from(input == Input::Control(i)))));
     let start = array(|i| start[i]);
     let end = M::step(&parameters, Dual64::from_re(step), &start, Dual64::from_re(time), &control);
-    changed(S::State::QUANTITIES, end.as_ref())
+    changed(S::SIDE, S::State::QUANTITIES, end.as_ref())
 }
 
 /// A state's components, changed where a component of its change is what changes.
-fn perturbed(quantities: &[Quantity], place: &[f64], input: Input) -> Vec<Dual64> {
+fn perturbed(side: Side, quantities: &[Quantity], place: &[f64], input: Input) -> Vec<Dual64> {
     let mut start: Vec<Dual64> = place.iter().map(|&x| Dual64::from_re(x)).collect();
     let (mut stored, mut trivialized) = (0, 0);
     for quantity in quantities {
@@ -154,7 +154,7 @@ fn perturbed(quantities: &[Quantity], place: &[f64], input: Input) -> Vec<Dual64
         {
             let mut unit = vec![0.0; dimension];
             unit[index - trivialized] = 1.0;
-            let change = tangent(quantity, &place[stored..stored + n], &unit);
+            let change = tangent(side, quantity, &place[stored..stored + n], &unit);
             start[stored..stored + n].iter_mut().zip(change).for_each(|(x, change)| x.eps = change);
         }
         stored += n;
@@ -163,14 +163,14 @@ fn perturbed(quantities: &[Quantity], place: &[f64], input: Input) -> Vec<Dual64
     start
 }
 
-/// The change of a state, in left-trivialized coordinates.
-fn changed(quantities: &[Quantity], end: &[Dual64]) -> Vec<f64> {
+/// The change of a state, in the coordinates of tangent vectors.
+fn changed(side: Side, quantities: &[Quantity], end: &[Dual64]) -> Vec<f64> {
     let (re, eps): (Vec<f64>, Vec<f64>) = end.iter().map(|x| (x.re, x.eps)).unzip();
     let mut column = Vec::new();
     let mut stored = 0;
     for quantity in quantities {
         let all = stored..stored + quantity.components.len();
-        column.extend(trivial(quantity, &re[all.clone()], &eps[all.clone()]));
+        column.extend(trivial(side, quantity, &re[all.clone()], &eps[all.clone()]));
         stored = all.end;
     }
     column
@@ -190,25 +190,36 @@ fn quaternion(parts: &[f64]) -> Quaternion<f64> {
     Quaternion::new(parts[0], parts[1], parts[2], parts[3])
 }
 
-/// The change of the stored components of `g` where this becomes `g exp(δ)`.
-fn tangent(quantity: &Quantity, g: &[f64], change: &[f64]) -> Vec<f64> {
+/// The change of the stored components of `g` where this becomes `g exp(δ)`, or `exp(δ) g`.
+fn tangent(side: Side, quantity: &Quantity, g: &[f64], change: &[f64]) -> Vec<f64> {
     if quantity.role != Role::Configuration || g.len() == change.len() {
         return change.to_vec();
     }
     let turned = |q: &[f64], angle: &[f64]| {
-        let q = quaternion(q) * Quaternion::new(0.0, angle[0], angle[1], angle[2]) * 0.5;
+        let angle = Quaternion::new(0.0, angle[0], angle[1], angle[2]);
+        let q = match side {
+            Side::Left => quaternion(q) * angle * 0.5,
+            Side::Right => angle * quaternion(q) * 0.5,
+        };
         vec![q.w, q.i, q.j, q.k]
     };
     match g.len() {
         2 => vec![-g[1] * change[0], g[0] * change[0]],
         4 if change.len() == 3 && quantity.components[0] == "re" => {
-            let (x, y) = (change[1], change[2]);
-            vec![-g[1] * change[0], g[0] * change[0], g[0] * x - g[1] * y, g[1] * x + g[0] * y]
+            let (turn, x, y) = (change[0], change[1], change[2]);
+            let shift = match side {
+                Side::Left => [g[0] * x - g[1] * y, g[1] * x + g[0] * y],
+                Side::Right => [x - turn * g[3], y + turn * g[2]],
+            };
+            vec![-g[1] * turn, g[0] * turn, shift[0], shift[1]]
         }
         4 => turned(g, change),
         _ => {
-            let rotation = UnitQuaternion::new_unchecked(quaternion(&g[..4]));
-            let shift = rotation * Vector3::new(change[3], change[4], change[5]);
+            let [turn, along, place] = [&change[..3], &change[3..], &g[4..]].map(Vector3::from_column_slice);
+            let shift = match side {
+                Side::Left => UnitQuaternion::new_unchecked(quaternion(&g[..4])) * along,
+                Side::Right => along + turn.cross(&place),
+            };
             let mut all = turned(&g[..4], &change[..3]);
             all.extend(shift.iter());
             all
@@ -217,25 +228,35 @@ fn tangent(quantity: &Quantity, g: &[f64], change: &[f64]) -> Vec<f64> {
 }
 
 /// The other way round, at a `g` that may be off the group by rounding.
-fn trivial(quantity: &Quantity, g: &[f64], change: &[f64]) -> Vec<f64> {
+fn trivial(side: Side, quantity: &Quantity, g: &[f64], change: &[f64]) -> Vec<f64> {
     if quantity.role != Role::Configuration || g.len() == dimension(quantity) {
         return change.to_vec();
     }
     let turn = |q: &[f64], change: &[f64]| {
-        let turn = quaternion(q).conjugate() * quaternion(change) * 2.0;
+        let (back, change) = (quaternion(q).conjugate(), quaternion(change) * 2.0);
+        let turn = match side {
+            Side::Left => back * change,
+            Side::Right => change * back,
+        };
         vec![turn.i, turn.j, turn.k]
     };
     match g.len() {
         2 => vec![g[0] * change[1] - g[1] * change[0]],
         4 if quantity.components[0] == "re" => {
-            let (x, y) = (change[2], change[3]);
-            vec![g[0] * change[1] - g[1] * change[0], g[0] * x + g[1] * y, g[0] * y - g[1] * x]
+            let (turn, x, y) = (g[0] * change[1] - g[1] * change[0], change[2], change[3]);
+            match side {
+                Side::Left => vec![turn, g[0] * x + g[1] * y, g[0] * y - g[1] * x],
+                Side::Right => vec![turn, x + turn * g[3], y - turn * g[2]],
+            }
         }
         4 => turn(g, change),
         _ => {
-            let rotation = UnitQuaternion::new_unchecked(quaternion(&g[..4]));
-            let shift = rotation.inverse() * Vector3::new(change[4], change[5], change[6]);
             let mut all = turn(&g[..4], &change[..4]);
+            let [turn, along, place] = [&all[..], &change[4..], &g[4..]].map(Vector3::from_column_slice);
+            let shift = match side {
+                Side::Left => UnitQuaternion::new_unchecked(quaternion(&g[..4])).inverse() * along,
+                Side::Right => along - turn.cross(&place),
+            };
             all.extend(shift.iter());
             all
         }

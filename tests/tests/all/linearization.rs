@@ -1,7 +1,7 @@
 //! The derivative of a step in closed form against differences of the step itself, with 71 digits.
 
 use coadjoint_codegen::expr::{Arena, Symbol, Vector};
-use coadjoint_codegen::group::{Group, Retraction};
+use coadjoint_codegen::group::{Group, Retraction, Side};
 use coadjoint_codegen::method::Step;
 use coadjoint_codegen::method::linearization::{Linearization, Matrices};
 use coadjoint_codegen::method::{family, tangent_lift};
@@ -18,11 +18,11 @@ use coadjoint_support::precise::residuals::Residuals;
 /// Differences are good to half of the digits.
 const DIFFERENCE: f64 = 1e-46;
 
-/// `g exp(x)`
-fn moved(group: &dyn Group, g: &Column, x: &Column) -> Column {
+/// `g exp(x)`, or `exp(x) g`
+fn moved(side: Side, group: &dyn Group, g: &Column, x: &Column) -> Column {
     let arena = Arena::new();
     let formula = Formula::new(&arena, [group.coordinates().len(), group.dimension()], |[g, x]| {
-        group.compose(&g, &group.retract(Retraction::Exponential, &x))
+        side.compose(group, &g, &group.retract(Retraction::Exponential, &x))
     });
     formula.at([g, x])
 }
@@ -45,7 +45,7 @@ fn changed(system: &System<'_>, point: &Point, change: &Column) -> Point {
         let length = group.map_or(symbols.len(), Group::dimension);
         let part = change.part(from, length);
         let value = match group {
-            Some(group) => moved(group, &value, &part),
+            Some(group) => moved(system.side, group, &value, &part),
             None => &value + &part,
         };
         changed.set(&symbols, &value);
@@ -67,8 +67,8 @@ fn trivialized(system: &System<'_>, state: &Column, change: &Column) -> Column {
         };
         let n = group.dimension();
         let zero = Column(vec![Real::from(0); n]);
-        let tangent =
-            Matrix::of_linear(n, |direction| derivative(&zero, direction, |x| moved(group, &place, x)));
+        let there = |x: &Column| moved(system.side, group, &place, x);
+        let tangent = Matrix::of_linear(n, |direction| derivative(&zero, direction, there));
         let dual = tangent.transpose();
         all.extend((&dual * &tangent).solve(&(&dual * &part)).0);
     }

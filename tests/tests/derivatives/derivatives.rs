@@ -15,7 +15,6 @@ use coadjoint::system::Role;
 use coadjoint::{Control, Discretized, RightLift, State, System, TangentLift};
 use coadjoint_support::array;
 use coadjoint_support::dual::{self, AnyStep, Input};
-use coadjoint_support::families::of_family;
 use coadjoint_support::random::Random;
 use coadjoint_systems::*;
 
@@ -33,8 +32,6 @@ trait Example:
     + Derives<Adjoint>
 {
     const STEP: f64;
-    /// Whether tangent vectors of [`Geometry`] are in the coordinates of derivatives.
-    const IS_LEFT: bool = true;
     fn example() -> (Self, Self::State, Self::Control);
 }
 
@@ -115,7 +112,6 @@ impl Example for Sledge {
 
 impl Example for described::SpinChain {
     const STEP: f64 = <spin_chain::SpinChain as coadjoint_app::Example>::STEP;
-    const IS_LEFT: bool = false;
     fn example() -> (Self, Self::State, Self::Control) {
         let (known, start) = <spin_chain::SpinChain as coadjoint_app::Example>::example();
         let state = <Self as System>::State::from_components(&start.to_components());
@@ -142,7 +138,6 @@ struct Flow {
 
 impl Example for Flow {
     const STEP: f64 = 0.1;
-    const IS_LEFT: bool = false;
     fn example() -> (Self, FlowState, <Self as System>::Control) {
         let inertia = matrix![1.0, 0.1, 0.2; 0.1, 2.0, 0.3; 0.2, 0.3, 2.5];
         let state = FlowState {
@@ -151,6 +146,37 @@ impl Example for Flow {
             field: vector![0.2, 0.7, -0.3],
         };
         (Self { inertia, strength: 0.7, axis: vector![0.1, -0.5, 0.9] }, state, Default::default())
+    }
+}
+
+/// A raft on a stream, seen from the bank: its velocity is that of the plane that it carries along, at the origin there.
+#[lie_poisson_system(
+    group = SE2,
+    invariance = right,
+    control(push: f64, steer: f64),
+    potential = weight * pose.translation.x + 0.1 * weight * pose.translation.y.powi(2) + keel * pose.rotation.re,
+    force = Vector3::new(steer + wind * t.sin(), push - drag * velocity.y, -drag * velocity.z),
+    derivatives,
+    methods(Midpoint, TangentLift),
+)]
+#[derive(Clone, Debug)]
+struct Raft {
+    #[inertia]
+    inertia: Matrix3<f64>,
+    weight: f64,
+    keel: f64,
+    wind: f64,
+    drag: f64,
+}
+
+impl Example for Raft {
+    const STEP: f64 = 0.05;
+    fn example() -> (Self, RaftState, RaftControl) {
+        let inertia = matrix![2.0, 0.1, 0.3; 0.1, 1.5, 0.2; 0.3, 0.2, 1.2];
+        let pose = Isometry2::new(vector![0.3, -0.2], 0.4);
+        let state = RaftState { pose, momentum: vector![0.5, -0.4, 0.8] };
+        let raft = Self { inertia, weight: 1.5, keel: 0.7, wind: 0.4, drag: 0.3 };
+        (raft, state, RaftControl { push: 0.6, steer: -0.2 })
     }
 }
 
@@ -287,8 +313,7 @@ where
         control_alone.as_slice().to_vec(),
         parameters_alone.as_slice().to_vec(),
     ];
-    let is_poisson = !S::FORCED && S::IS_LEFT;
-    let poisson = is_poisson.then(|| [poisson(&system, &start), poisson(&system, &state)]);
+    let poisson = (!S::FORCED).then(|| [poisson(&system, &start), poisson(&system, &state)]);
 
     let mut perturbation = Perturbation::<S>::default();
     let mut fill = |slice: &mut [f64]| slice.iter_mut().for_each(|x| *x = random.between(-1.0, 1.0));
@@ -406,6 +431,7 @@ fn every_block_of_every_system_is_that_of_dual_numbers() {
         described::Kirchhoff: Cayley,
         Sledge: Cayley,
         Flow: Cayley,
+        Raft: Exponential,
         Spin: Exponential,
     );
     check::<described::SatelliteWithWheels, Midpoint<Exponential>>(&mut worst);
@@ -421,6 +447,7 @@ fn every_block_of_every_system_is_that_of_dual_numbers() {
     check::<Sledge, StormerVerlet<Exponential>>(&mut worst);
     check::<Sledge, TangentLift<Exponential>>(&mut worst);
     check::<Sledge, TangentLift<Cayley>>(&mut worst);
+    check::<Raft, TangentLift<Cayley>>(&mut worst);
     check::<described::Quadrotor, Order4<StormerVerlet<Cayley>>>(&mut worst);
     check::<described::HeavyTop, Order10<SymplecticEulerA<Cayley>>>(&mut worst);
     println!("largest relative error {worst:e}");
@@ -431,9 +458,8 @@ fn every_block_of_every_system_is_that_of_dual_numbers() {
 fn agrees_with_differences<S, M>(
     (system, start, control): (S, S::State, S::Control),
     (time, step): (f64, f64),
-    displaced: impl Fn(&S, &S::State, &[f64]) -> S::State,
 ) where
-    S: System<Scalar = f64>
+    S: Geometry<Scalar = f64>
         + Derives<WrtState>
         + Derives<WrtControl>
         + Derives<WrtParameters>
@@ -481,15 +507,8 @@ fn agrees_with_differences<S, M>(
         let parameters = array(|i| parameters.as_ref()[i] + share * of_parameters.get(i).unwrap_or(&0.0));
         stepped(&S::from_parameters(&parameters), start.clone(), &control)
     };
-    // of the order 6, with the same differences of what the derivative says
-    let slope = |state: &dyn Fn(f64) -> S::State| {
-        let difference = |k: f64| {
-            let share = 2e-3 * k;
-            let [up, down] = [share, -share].map(|share| numbers(&state(share).to_components()));
-            (up - down) / (2.0 * share)
-        };
-        (difference(1.0) * 15.0 - difference(2.0) * 6.0 + difference(3.0)) / 10.0
-    };
+    // with the same differences of what the derivative says
+    let slope = |state: &dyn Fn(f64) -> S::State| slope(|share| numbers(&state(share).to_components()));
     let changed: &dyn Fn(f64) -> S::State = &changed;
     let cases = [
         ("state", changed, matrix(&wrt_state, n) * &of_state),
@@ -529,31 +548,84 @@ fn groups_of_matrices_have_derivatives_too() {
         assert_eq!(system.energy_at(&state, 0.9e-6, &the_same), known.energy_at(&start, 0.9e-6, &control));
         (system, state, the_same)
     }
-    fn displaced<S: Geometry<Scalar = f64>>(system: &S, state: &S::State, by: &[f64]) -> S::State {
-        system.displace(state, RetractionKind::Exponential, &array(|i| by[i]))
-    }
     use described::{AffineBody, FourDimensionalBody, Navigation, ThreeLevelAtom};
     let (body, start, control) = known::<FourDimensionalBody, four_dimensional_body::FourDimensionalBody>();
-    agrees_with_differences::<_, SymplecticEulerA<Cayley>>((body, start, control), (0.0, 0.1), displaced);
+    agrees_with_differences::<_, SymplecticEulerA<Cayley>>((body, start, control), (0.0, 0.1));
     let (body, start, control) = known::<AffineBody, affine_body::AffineBody>();
-    agrees_with_differences::<_, StormerVerlet<Cayley>>((body, start, control), (0.0, 5e-4), displaced);
+    agrees_with_differences::<_, StormerVerlet<Cayley>>((body, start, control), (0.0, 5e-4));
     let (vehicle, start, control) = known::<Navigation, navigation::Navigation>();
-    agrees_with_differences::<_, StormerVerlet<Cayley>>((vehicle, start, control), (0.0, 0.05), displaced);
-    // derivatives are with respect to `g exp δ` of right-invariant systems too
-    let basis = of_family("SU3", 8);
+    agrees_with_differences::<_, StormerVerlet<Cayley>>((vehicle, start, control), (0.0, 0.05));
     let (atom, start, control) = known::<ThreeLevelAtom, three_level_atom::ThreeLevelAtom>();
     // between the pulses
     let atom = ThreeLevelAtom { detuning: 1e7, two_photon_detuning: 3e6, ..atom };
-    let at = (0.9e-6, 3e-9);
-    agrees_with_differences::<_, StormerVerlet<Exponential>>((atom, start, control), at, |_, state, by| {
-        let x = basis.iter().zip(by).fold(DMatrix::zeros(6, 6), |sum, (e, x)| sum + e * *x);
-        let element = DMatrix::from_column_slice(6, 6, state.element.as_slice()) * x.exp();
-        let momentum = state.momentum + coadjoint::nalgebra::SVector::<f64, 8>::from_column_slice(&by[8..]);
-        described::ThreeLevelAtomState {
-            element: coadjoint::nalgebra::SMatrix::from_column_slice(element.as_slice()),
-            momentum,
+    agrees_with_differences::<_, StormerVerlet<Exponential>>((atom, start, control), (0.9e-6, 3e-9));
+}
+
+/// The state displaced by a tangent vector.
+fn displaced<S: Geometry<Scalar = f64>>(system: &S, state: &S::State, by: &[f64]) -> S::State {
+    system.displace(state, RetractionKind::Exponential, &array(|i| by[i]))
+}
+
+/// The derivative at 0, by differences of order 6.
+fn slope(of: impl Fn(f64) -> DVector<f64>) -> DVector<f64> {
+    let difference = |k: f64| (of(2e-3 * k) - of(-2e-3 * k)) / (4e-3 * k);
+    (difference(1.0) * 15.0 - difference(2.0) * 6.0 + difference(3.0)) / 10.0
+}
+
+/// The gradient of a function of the stored numbers of a run's end, attitudes included, by start, controls and parameters: against differences of runs
+/// from displaced states.
+fn gradient_agrees_with_differences<S: Example + Discretized<M>, M>()
+where
+    <S as Discretized<M>>::Method<f64>: Linearizable<S>,
+{
+    let (system, start, control) = sample::<S>(&mut Random::new(17));
+    let numbers = |state: &S::State| DVector::from_column_slice(state.to_components().as_ref());
+    let run = |system: &S, mut state: S::State, control: &S::Control| {
+        let mut stepper = system.stepper::<M>(<S as Example>::STEP).expect("valid");
+        let tape = CheckpointedTape::new(&mut stepper, &mut state, 20, |_| control.clone());
+        (tape.expect("solvable"), state)
+    };
+    let (tape, end) = run(&system, start.clone(), &control);
+    let mut random = Random::new(18);
+    let weights = DVector::from_fn(numbers(&end).len(), |_, _| random.between(-1.0, 1.0));
+    let loss = |state: &S::State| DVector::from_element(1, weights.dot(&numbers(state)));
+    let mut costate = <S::StateVector as Dense<f64>>::zeros();
+    let n = costate.as_slice().len();
+    let along = |state: &S::State, i: usize, share: f64| {
+        let by: Vec<f64> = (0..n).map(|k| if k == i { share } else { 0.0 }).collect();
+        displaced(&system, state, &by)
+    };
+    for (i, entry) in costate.as_mut_slice().iter_mut().enumerate() {
+        *entry = slope(|share| loss(&along(&end, i, share)))[0];
+    }
+    let gradient = tape.gradient(&costate).expect("smooth");
+    let agree = |what: &str, found: &[f64], difference: &dyn Fn(usize, f64) -> S::State| {
+        for (i, found) in found.iter().enumerate() {
+            let expected = slope(|share| loss(&difference(i, share)))[0];
+            let error = (found - expected).abs();
+            assert!(error < 1e-9, "{} {what} {i}: {found} is not {expected}", S::NAME);
         }
+    };
+    agree("state", gradient.state.as_slice(), &|i, share| run(&system, along(&start, i, share), &control).1);
+    let controls = control.to_components();
+    agree("control", gradient.control.as_slice(), &|i, share| {
+        let components = array(|k| controls.as_ref()[k] + if k == i { share } else { 0.0 });
+        run(&system, start.clone(), &S::Control::from_components(&components)).1
     });
+    let parameters = system.to_parameters();
+    agree("parameter", gradient.parameters.as_slice(), &|i, share| {
+        let parameters = array(|k| parameters.as_ref()[k] + if k == i { share } else { 0.0 });
+        run(&S::from_parameters(&parameters), start.clone(), &control).1
+    });
+}
+
+#[test]
+fn gradients_of_what_sees_the_attitude_are_those_of_displaced_states() {
+    gradient_agrees_with_differences::<Flow, Midpoint<Cayley>>();
+    gradient_agrees_with_differences::<Flow, StormerVerlet<Exponential>>();
+    gradient_agrees_with_differences::<Raft, StormerVerlet<Exponential>>();
+    gradient_agrees_with_differences::<Raft, Midpoint<Cayley>>();
+    gradient_agrees_with_differences::<Sledge, StormerVerlet<Exponential>>();
 }
 
 /// A run of a quadrotor with controls that change, and with its derivative on the way.

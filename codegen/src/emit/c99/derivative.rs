@@ -31,6 +31,7 @@ fn words(interface: &Interface, module: &Module<DerivativeRole>, words: &Words) 
         .with("PERTURBATIONS", interface.state_perturbation().to_string())
         .with("CONTROLS", interface.control_length().to_string())
         .with("PARAMETERS", interface.field_length().to_string())
+        .with("DISPLACED", interface.side.displaced("d"))
         .holds("wrt_control", has(module, DerivativeRole::WrtControl) && interface.control_length() > 0)
         .holds("wrt_parameters", has(module, DerivativeRole::WrtParameters) && interface.field_length() > 0)
 }

@@ -32,7 +32,7 @@ pub(super) fn tangents(interface: &Interface, names: &Names, wanted: Derivatives
             "The index ranges of the parts of a [`{name}`] within perturbations of its state, controls and parameters."
         ),
         String::new(),
-        "A configuration changes by an element of the algebra, `g exp(δ)`.".to_owned(),
+        format!("A configuration changes by an element of the algebra, `{}`.", interface.side.displaced("δ")),
     ]);
     quote! {
         #docs

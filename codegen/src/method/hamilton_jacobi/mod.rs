@@ -36,7 +36,7 @@ mod path;
 mod reduced;
 mod velocity;
 
-use super::discretization::{Discretization, Path, values};
+use super::discretization::{Discretization, values};
 use super::names::symbols;
 use super::presolve::{Equation, presolve_only};
 use super::step::{Iteration, Step};
@@ -218,7 +218,7 @@ impl<'a> HamiltonJacobi<'_, 'a> {
         let next = Parts { configuration: moved.next, momentum: m_next, advected: a_next };
         let presolved = presolve_only(equations, left);
         let left = presolved.equations.iter().flat_map(|equation| equation.names.clone()).collect();
-        (self.0.lifted(presolved, &Path { middle: g_bar, y }, &next), left)
+        (self.0.lifted(presolved, &y, &next), left)
     }
 
     /// `(dR τ_x)* m`, on the group alone.

@@ -21,7 +21,7 @@
 use super::{COARSE, by_velocity};
 use crate::expr::{Expr, Matrix, Number, Series, Symbol, Vector, gradient};
 use crate::group::{Retraction, SemidirectVector};
-use crate::method::discretization::{Discretization, Path, Values, bind};
+use crate::method::discretization::{Discretization, Values, bind};
 use crate::method::names::symbols;
 use crate::method::presolve::{Equation, presolve};
 use crate::method::step::{Iteration, Step};
@@ -90,8 +90,7 @@ pub(super) fn step<'a>(discretization: &Discretization<'_, 'a>, order: usize) ->
     let names = [names.unknown()].into_iter().chain(kicks);
     let presolved = presolve(blocks.zip(names).map(part).collect());
     let found = presolved.found.clone();
-    let path = Path { middle: system.configuration(), y: eta.base.clone() };
-    let mut whole = discretization.lifted(presolved, &path, &next);
+    let mut whole = discretization.lifted(presolved, &eta.base, &next);
 
     let left = whole.unknown.symbols();
     let symbols = flat(&eta).symbols();

@@ -1,5 +1,5 @@
 /* The derivatives of a step, column by column: `wrt_state[j][i]` is how component i of the perturbation of the next state depends on component j
- * of that of the state. A configuration is perturbed by an element of the algebra, g exp(d). The components, in order:
+ * of that of the state. A configuration is perturbed by an element of the algebra, DISPLACED. The components, in order:
 //each perturbed
  *     QUANTITY: RANGE
 //end
