@@ -15,6 +15,8 @@ LISTED = ("advected", "control", "methods", "retractions", "derivatives")
 #: Other words for types of fields.
 TYPES = {"float": "f64", "scalar": "f64", "number": "f64"}
 _TYPE = re.compile(r"\b((?:Vector|Matrix)\d+|float|scalar|number)\b(?!\s*<)")
+#: One of them in the place of a type.
+_NUMBER = re.compile(r"(?P<before>[:\[]\s*)(?P<word>float|scalar|number)\b")
 _FIELD = re.compile(r"^(?P<lead>\s*)(?P<body>[^\[\]]*(?:\[[^\[\]]*;[^\[\]]*\])?)\s*(?:\[(?P<unit>[^\[\];]*)\])?\s*$")
 
 
@@ -31,11 +33,12 @@ class Text:
         self.lines.append(line)
         self.origins.append(None)
 
-    def piece(self, source: str, text: str) -> None:
-        """A string of the user's, as it is."""
-        for number, line in enumerate(text.split("\n"), 1):
+    def piece(self, source: str, text: str, shown: str | None = None) -> None:
+        """A string of the user's, as it is; or with other words in the same columns, where it is said what is shown of it."""
+        lines = text.split("\n")
+        for number, (line, one) in enumerate(zip(lines, lines if shown is None else shown.split("\n"), strict=True), 1):
             self.lines.append(line)
-            self.origins.append((source, number, 0, line.rstrip("\r")))
+            self.origins.append((source, number, 0, one.rstrip("\r")))
 
     def line(self, source: str, number: int, shown: str, column: int, line: str) -> None:
         """A line made of a part of one of the user's, which starts at this column there."""
@@ -105,28 +108,37 @@ def _entries(text: str) -> list[tuple[int, int, str]]:
     return entries
 
 
-def _fields(text: Text, source: str, given: Any, attribute: str | None) -> None:
-    """Fields `name: type [unit]`, of a string or of a mapping."""
+def _fields(text: Text, source: str, given: Any, factor: str | None) -> None:
+    """Fields `name: type [unit]`, of a string or of a mapping.
+
+    factor: what they are inertias of, nothing if the group is not one of several; none of parameters. A mapping may have inertias by factor.
+    """
     if isinstance(given, Mapping):
         for name, kind in given.items():
             if not isinstance(kind, str):
                 raise TypeError(f"{source}: the type of `{name}` must be a string such as 'Vector3 [m]'")
-            _field(text, f"{source}[{name!r}]", 1, 0, kind, kind, attribute, name)
+            if factor is not None and _is_named(kind):
+                _fields(text, f"{source}[{name!r}]", kind, name)
+                continue
+            _field(text, f"{source}[{name!r}]", 1, 0, kind, kind, factor, name)
         return
     if not isinstance(given, str):
         raise TypeError(f"{source} must be a string such as 'weight: f64 [N], chi: Vector3 [m]', or a dict")
     lines = given.split("\n")
     for line, column, entry in _entries(given):
-        _field(text, source, line, column, lines[line - 1], entry, attribute, None)
+        _field(text, source, line, column, lines[line - 1], entry, factor, None)
 
 
 def _field(
-    text: Text, source: str, line: int, column: int, shown: str, entry: str, attribute: str | None, name: str | None
+    text: Text, source: str, line: int, column: int, shown: str, entry: str, factor: str | None, name: str | None
 ) -> None:
     match = _FIELD.match(entry)
     body, unit = (match["body"].rstrip(), match["unit"]) if match else (entry, None)
-    if attribute:
-        text.glue(attribute)
+    if factor:
+        # `inertia={factor: …}`: what is wrong with the factor is at that key
+        text.line("inertia", 1, factor, -len("#[inertia("), f"#[inertia({factor})]")
+    elif factor is not None:
+        text.glue("#[inertia]")
     if unit is not None:
         quoted = unit.strip().replace("\\", "\\\\").replace('"', '\\"')
         text.line(source, line, shown, column, f'#[unit("{quoted}")]')
@@ -168,7 +180,7 @@ def compose(positional: str | None, name: str | None, keys: Mapping[str, Any]) -
     text.glue(")]")
     text.glue(f"struct {name} {{")
     if inertia is not None:
-        _fields(text, "inertia", inertia, "#[inertia]")
+        _fields(text, "inertia", inertia, "")
     if parameters is not None:
         _fields(text, "parameters", parameters, None)
     text.glue("}")
@@ -197,22 +209,29 @@ def _key(text: Text, key: str, value: Any) -> None:
             raise TypeError(f"{key} must be a string")
         text.glue(f"{key}(")
         for name, one in value.items():
+            source = f"{key}[{name!r}]"
+            one = _string(source, one)
             text.glue(f"{name} {separator}")
-            text.piece(f"{key}[{name!r}]", _string(f"{key}[{name!r}]", one))
+            text.piece(source, _numbers(f":{one}")[1:] if key == "control" else one, one)
             text.glue(",")
         text.glue("),")
     else:
         value = _string(key, value)
         # `group = SO3`, but `group(attitude: SO3, position: R3)`; `force = u`, but `force(first = u)` is a dict
-        listed = key in LISTED or (key == "group" and _names_factors(value))
+        listed = key in LISTED or (key == "group" and _is_named(value))
         text.glue(f"{key}(" if listed else f"{key} =")
-        text.piece(key, value)
+        text.piece(key, _numbers(value) if key == "control" else value, value)
         text.glue(")," if listed else ",")
 
 
-def _names_factors(group: str) -> bool:
-    """Whether a string is `attitude: SO3, position: R3`, and not a group or one made of others."""
-    return re.match(r"^\s*\w+\s*:(?!:)", group) is not None
+def _is_named(text: str) -> bool:
+    """Whether a string is `attitude: SO3, position: R3`, and not a group or a type alone."""
+    return re.match(r"^\s*\w+\s*:(?!:)", text) is not None
+
+
+def _numbers(types: str) -> str:
+    """Types with `f64` for other words; what follows them stays in its columns."""
+    return _NUMBER.sub(lambda m: m["before"] + TYPES[m["word"]].ljust(len(m["word"])), types)
 
 
 def derive(text: Text, name: str | None) -> _native.Model:

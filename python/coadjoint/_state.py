@@ -58,7 +58,7 @@ class Quantity(NamedTuple):
 class Layout:
     """Where quantities are in a flat array."""
 
-    __slots__ = ("what", "quantities", "ranges", "length")
+    __slots__ = ("what", "quantities", "ranges", "length", "arrays")
 
     def __init__(self, what: str, quantities: list[Quantity]) -> None:
         self.what, self.quantities = what, tuple(quantities)
@@ -67,13 +67,39 @@ class Layout:
             one.name: (start, end, one) for one, start, end in zip(quantities, ends, ends[1:], strict=False)
         }
         self.length: int = ends[-1]
+        #: The names of what is an array in the description, `g` of `g_0`, `g_1` …, and how many there are.
+        self.arrays: dict[str, int] = {}
+        for name in self.ranges:
+            array, _, place = name.rpartition("_")
+            if array not in self.ranges and place == str(self.arrays.get(array, 0)):
+                self.arrays[array] = int(place) + 1
 
     def missing(self, name: object) -> str:
         import difflib
 
+        if name in self.arrays:
+            return f"{self.what} has no `{name}`: it has {', '.join(f'{name}_{k}' for k in range(self.arrays[str(name)]))}"
         near = difflib.get_close_matches(str(name), self.ranges, 1)
         hint = f"; did you mean `{near[0]}`?" if near else f": it has {', '.join(self.ranges) or 'nothing'}"
         return f"{self.what} has no `{name}`{hint}"
+
+    def spread(self, given: Mapping[str, Any]) -> Mapping[str, Any]:
+        """What is given, with the parts of arrays by their own names."""
+        if not any(name in self.arrays for name in given):
+            return given
+        parts: dict[str, Any] = {}
+        for name, value in given.items():
+            if name not in self.arrays:
+                parts[name] = value
+                continue
+            count, one = self.arrays[name], self.ranges[f"{name}_0"][2]
+            array = numbers(rotation(one, value), f"{self.what}, `{name}`")
+            shape = (count, *one.shape)
+            if array.shape[-len(shape) :] != shape:
+                raise ValueError(f"{self.what}, `{name}`: an array of shape {array.shape} in place of {shape}")
+            axis = array.ndim - len(shape)
+            parts |= {f"{name}_{k}": array.take(k, axis) for k in range(count)}
+        return parts
 
     def columns(self) -> list[str]:
         return [column for one in self.quantities for column in one.columns]
@@ -87,6 +113,7 @@ class Layout:
             if array.shape != (self.length,):
                 raise ValueError(f"{self.what}: an array of shape {array.shape} in place of ({self.length},)")
             return array.copy() if array is given else array
+        given = self.spread(given)
         flat = np.full(self.length, np.nan) if defaults is None else defaults.copy()
         for name, value in given.items():
             if name not in self.ranges:
@@ -103,7 +130,7 @@ class Layout:
         if isinstance(given, State):
             given = given.flat
         if isinstance(given, Mapping):
-            arrays = {}
+            arrays, given = {}, self.spread(given)
             for name, value in given.items():
                 if name not in self.ranges:
                     raise ValueError(self.missing(name))

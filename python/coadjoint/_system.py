@@ -30,18 +30,27 @@ SCHEMES = {
     "tangent-lift": "TangentLift",
     "tangent-midpoint": "TangentMidpoint",
 }
+#: Those that are named after the map that they move by.
+RETRACTIONS = ("Exponential", "Cayley", "SecondKind")
 ORDERS = (4, 6, 8, 10)
 
 
 def scheme_name(system: System, scheme: str | None, order: int | None) -> str:
-    """The library's name of a scheme: a word in small letters, or that name itself, of this order. By default the exponential, where there is one."""
+    """The library's name of a scheme: a word in small letters, or that name itself, of this order. A word is on the exponential, where there is one."""
+    retraction = "exponential" if any("<Exponential" in known for known in system.schemes) else "cayley"
     if scheme is None:
-        scheme = "exponential" if any("<Exponential" in known for known in system.schemes) else "cayley"
+        scheme = retraction
     if not isinstance(scheme, str):
         raise TypeError(f"a scheme is a string such as 'exponential' or 'Midpoint<Cayley>', not {type(scheme).__name__}")
     if scheme == "hamilton-jacobi":
-        return f"HamiltonJacobi<Exponential, {6 if order is None else order}>"
+        start = f"HamiltonJacobi<{SCHEMES[retraction]}, "
+        derived = [known[len(start) : -1] for known in system.schemes if known.startswith(start)]
+        if order is None:
+            order = int(derived[0]) if len(derived) == 1 else 6
+        return f"{start}{order}>"
     name = SCHEMES.get(scheme, scheme)
+    if scheme in SCHEMES and name not in RETRACTIONS and retraction == "cayley":
+        name = f"{name}<Cayley>"
     if order in (None, 2):
         return name
     if order not in ORDERS:
@@ -75,6 +84,13 @@ class System:
     ...                 inertia="inertia: Vector3", parameters="weight: float, chi: Vector3")
     >>> [one.name for one in top.state_quantities]
     ['attitude', 'momentum', 'gamma']
+
+    Of a group of several factors, inertias stand by the factors that they are of:
+
+    >>> drone = co.System(group={"attitude": "SO3", "place": "R3"}, inertia={"attitude": "inertia: Vector3", "place": "mass: float"},
+    ...                   parameters="gravity: float", potential="mass * gravity * place.z")
+    >>> [one.name for one in drone.parameter_quantities]
+    ['inertia', 'mass', 'gravity']
 
     or by a whole text of Rust, a file of the catalogue for example. What is wrong is told at its place in the string:
 
@@ -445,7 +461,7 @@ class BoundSystem:
         t_span: start and end; a number is the end of a run from 0.
         step: the length of the steps. The last one is shorter where whole steps do not lead to the end.
         scheme, order: the steps: `exponential`, the default, `cayley`, `midpoint`, `verlet` … or the library's name, `Midpoint<Cayley>`; of order 2, or composed
-            to 4, 6, 8 or 10.
+            to 4, 6, 8 or 10. Words are on the exponential, or on the Cayley map where that alone was derived; `hamilton-jacobi` has the order that was derived.
         tolerance: in place of `step`, Taylor steps, each as long as this error allows: the description needs `taylor`.
         controls: an array or a dict that is held; `(times, values)`, each held until the next; a function of `t`; or one of `t, y`, asked before each step.
         events: functions of `t, y` whose zeros are found within the steps. As in scipy, an attribute `terminal`, a bool or a count, ends the run,
@@ -586,10 +602,10 @@ class BoundSystem:
             rows = np.atleast_2d(states.flat)
         elif isinstance(states, Mapping):
             rows = self.state(states).flat[None]
+        elif isinstance(states, (list, tuple)) and any(isinstance(one, (State, Mapping)) for one in states):
+            rows = np.stack([self.state(one).flat for one in states])
         else:
-            rows = np.array([self.state(one).flat for one in np.atleast_1d(np.asarray(states, dtype=object))]) if (
-                isinstance(states, (list, tuple)) and states and isinstance(states[0], (State, Mapping))
-            ) else self.system._state.rows(states, None)
+            rows = self.system._state.rows(states, None)
         inputs = self._control(controls) if controls is None or isinstance(controls, Mapping) else numbers(controls, "the controls")
         text, passed, certificates = self._native.certify(
             scheme_name(self.system, scheme, order), np.ascontiguousarray(rows).ravel(), inputs.ravel(), step

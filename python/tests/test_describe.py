@@ -66,6 +66,78 @@ def test_forces_arrays_and_switches():
     assert names == [("inertia", "kg m²"), ("weights_0", None), ("weights_1", None), ("friction", "1/s")]
 
 
+def test_inertias_of_several_factors():
+    group = {"attitude": "SO3", "place": "R3"}
+    potential = "mass * gravity * place.z"
+    by_factor = co.System(
+        group=group,
+        inertia={"attitude": "inertia: Vector3 [kg m²]", "place": "mass: float [kg]"},
+        parameters="gravity: float",
+        potential=potential,
+    )
+    whole = co.System(
+        """#[lie_poisson_system(group(attitude: SO3, place: R3), potential = mass * gravity * place.z)]
+        struct System {
+            #[inertia(attitude)] #[unit("kg m²")] inertia: Vector3<f64>,
+            #[inertia(place)] #[unit("kg")] mass: f64,
+            gravity: f64,
+        }"""
+    )
+    assert by_factor.parameter_quantities == whole.parameter_quantities
+    ends = []
+    for system in (by_factor, whole):
+        body = system(inertia=[1, 2, 3], mass=2, gravity=9.81)
+        y = body.state(attitude_momentum=[1, 2, 3], place=[0, 0, 5], place_momentum=[2, 0, 0])
+        ends.append(body.run(y, 1, step=0.1).y.flat[-1].tolist())
+    assert ends[0] == ends[1] and abs(ends[0][7] - 1) < 1e-12
+
+    # of two at once, and of one with several fields
+    joint = co.System(group={"hull": "SO3", "arm": "SO2"}, inertia={"hull, arm": "inertia: Matrix4"})
+    assert [one.shape for one in joint.parameter_quantities] == [(4, 4)]
+    for inertia, source in (
+        ({"attitud": "inertia: Vector3", "place": "mass: float"}, ("inertia", "attitud", 1)),
+        ({"attitude": "inertia: Vektor3", "place": "mass: float"}, ("inertia['attitude']", "inertia: Vektor3", 10)),
+    ):
+        with pytest.raises(co.DescriptionError) as caught:
+            co.System(group=group, inertia=inertia)
+        assert source in [(at.source, at.text, at.column) for one in caught.value.problems if (at := one.place)]
+
+
+def test_words_for_numbers_in_controls():
+    for word in ("float", "f64", "scalar", "number"):
+        for control in (f"servo: {word}, number: {word}", {"servo": word, "number": f" {word}"}):
+            cart = co.System(group="R1", control=control, force="vector![servo + number]", inertia="mass: float")
+            assert [(one.name, one.shape) for one in cart.control_quantities] == [("servo", ()), ("number", ())]
+    many = co.System(group="R1", control="servos: [float; 2]", force="vector![servos[1]]", inertia="mass: float")
+    assert len(many.control_quantities) == 2
+    with pytest.raises(co.DescriptionError) as caught:
+        co.System(group="R1", control="servo: float, other: floot", force="vector![servo]", inertia="mass: float")
+    place = caught.value.problems[0].place
+    assert (place.column, place.text) == (22, "servo: float, other: floot")
+
+
+def test_arrays_are_given_whole():
+    system = co.System(
+        group="SO3",
+        inertia="inertia: Vector3",
+        parameters="chis: [Vector3; 2], weights: [float; 3]",
+        potential="weights[0] * chis[0].dot(&chis[1]) * attitude.w + weights[1] * weights[2]",
+    )
+    parts = system(inertia=[1, 2, 3], chis_0=[1, 2, 3], chis_1=[4, 5, 6], weights_0=7, weights_1=8, weights_2=9)
+    assert system(inertia=[1, 2, 3], chis=[[1, 2, 3], [4, 5, 6]], weights=(7, 8, 9)) == parts
+    assert system(inertia=[1, 2, 3], chis=[[1, 2, 3], [4, 5, 6]], weights_0=7, weights_1=8, weights_2=9) == parts
+    assert parts.replace(weights=[1, 2, 3]) == parts.replace(weights_0=1, weights_1=2, weights_2=3) != parts
+    members = parts.ensemble({"momentum": [1, 0, 0]}, {"weights": [[1, 2, 3], [4, 5, 6]]}, t_span=0.1, step=0.1)
+    assert members.parameters.weights_1.tolist() == [2, 5] and (members.parameters.chis_1 == [4, 5, 6]).all()
+    for wrong in ([1, 2], [[1, 2, 3], [4, 5, 6]], 1):
+        with pytest.raises(ValueError, match="`weights"):
+            parts.replace(weights=wrong)
+    with pytest.raises(AttributeError, match="it has weights_0, weights_1, weights_2"):
+        parts.parameters.weights
+    with pytest.raises(ValueError, match="did you mean `weights_"):
+        parts.replace(weight=1)
+
+
 def test_definitions_stand_beside():
     body = co.System(
         group="R1",

@@ -218,8 +218,34 @@ def test_certificates(top):
     report = top.certify(y, "cayley")
     assert report.passed and report["|gamma|²"].figure < 1e-11 and report["|gamma|²"].verdict == "passed"
     assert "Poisson map" in repr(report)
+    # of several states, each as it likes
+    still = top.state(gamma=[0, 0, 1])
+    for states in ([still, y], (still, y.flat), [{"gamma": [0, 0, 1]}, y], np.stack([still.flat, y.flat])):
+        several = top.certify(states, "cayley")
+        assert several.passed and several["|gamma|²"].figure >= report["|gamma|²"].figure
+    assert {one.state for one in several.certificates} <= {0, 1}
     with pytest.raises(KeyError):
         report["no such"]
+
+
+def test_words_for_schemes_are_those_that_were_derived():
+    body = co.System(group="SO3", inertia="inertia: Vector3", methods="Midpoint, HamiltonJacobi(4)", retractions="Cayley")
+    body = body(inertia=[1, 2, 3])
+    for scheme, order, name in (
+        (None, None, "Cayley"),
+        ("midpoint", None, "Midpoint<Cayley>"),
+        ("midpoint", 4, "Order4<Midpoint<Cayley>>"),
+        ("euler-b", None, "SymplecticEulerB<Cayley>"),
+        ("verlet", None, "StormerVerlet<Cayley>"),
+        ("hamilton-jacobi", None, "HamiltonJacobi<Cayley, 4>"),
+    ):
+        sol = body.run({"momentum": [1, 2, 3]}, 1, step=0.1, scheme=scheme, order=order)
+        assert sol.scheme == name
+    with pytest.raises(ValueError, match="HamiltonJacobi<Cayley, 6>"):
+        body.run({"momentum": [1, 2, 3]}, 1, step=0.1, scheme="hamilton-jacobi", order=6)
+    # where there is no one order, it is 6
+    both = co.System(group="SO3", inertia="inertia: Vector3", methods="HamiltonJacobi(4), HamiltonJacobi(6)")(inertia=[1, 2, 3])
+    assert both.run({"momentum": [1, 2, 3]}, 1, step=0.1, scheme="hamilton-jacobi").scheme == "HamiltonJacobi<Exponential, 6>"
 
 
 def test_a_picture(top, y0):

@@ -228,11 +228,11 @@ impl<'a> Matrix<'a> {
 
     /// The same, where unknowns whose equations have no other one of them are found behind all others, without a division.
     pub fn solve_apart(&self, right: &Vector<'a>) -> Vector<'a> {
-        let one = right.0[0].arena.one();
         let (mut last, mut first): (Vec<usize>, Vec<usize>) = Default::default();
         for k in (0..self.rows).rev() {
             let is_apart = last.iter().all(|&l| self.at(k, l).is_zero() && self.at(l, k).is_zero());
-            if is_apart && self.at(k, k) == one { last.push(k) } else { first.insert(0, k) }
+            let is_one = self.at(k, k).as_number().is_some_and(Number::is_one);
+            if is_apart && is_one { last.push(k) } else { first.insert(0, k) }
         }
         if last.is_empty() || first.is_empty() {
             return self.solve(right);

@@ -11,6 +11,7 @@ mod common;
 mod description;
 #[expect(unreachable_pub, reason = "another crate includes it")]
 mod evaluate;
+mod explicit;
 mod fuzz;
 mod groups;
 #[expect(unreachable_pub, reason = "another crate includes it")]

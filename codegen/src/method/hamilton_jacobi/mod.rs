@@ -101,6 +101,10 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, o
         HamiltonJacobi(discretization).step(derivatives, left)
     };
     let (whole, left) = step_of(retraction, order as usize, None);
+    if whole.unknown.is_empty() {
+        // of a motion that is linear, for example: there is no iteration to find a matrix for
+        return whole;
+    }
     let is_small = whole.unknown.len() <= FEW;
     let coarse = if system.group.is_summed(retraction) { Retraction::Coarse } else { retraction };
     let coarse = step_of(coarse, if is_small { COARSE } else { 2 }, Some(&left)).0;

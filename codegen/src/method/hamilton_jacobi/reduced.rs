@@ -93,6 +93,9 @@ pub(super) fn step<'a>(discretization: &Discretization<'_, 'a>, order: usize) ->
     let mut whole = discretization.lifted(presolved, &eta.base, &next);
 
     let left = whole.unknown.symbols();
+    if left.is_empty() {
+        return whole;
+    }
     let symbols = flat(&eta).symbols();
     let rows: Vec<usize> = (0..symbols.len()).filter(|&k| left.contains(&symbols[k])).collect();
     whole.iteration = Iteration::Newton(begun.reduced_to(&rows));
