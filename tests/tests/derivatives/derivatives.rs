@@ -582,7 +582,8 @@ where
     let numbers = |state: &S::State| DVector::from_column_slice(state.to_components().as_ref());
     let run = |system: &S, mut state: S::State, control: &S::Control| {
         let mut stepper = system.stepper::<M>(<S as Example>::STEP).expect("valid");
-        let tape = CheckpointedTape::new(&mut stepper, &mut state, 20, |_| control.clone());
+        let held = control.clone();
+        let tape = CheckpointedTape::new(&mut stepper, &mut state, 20, move |_| held.clone());
         (tape.expect("solvable"), state)
     };
     let (tape, end) = run(&system, start.clone(), &control);
