@@ -3,6 +3,7 @@
 
 use super::constants::{FAR, FEW, ITERATIONS, QUICK, STRONG, TOLERANCE};
 use super::memory::{Convergence, Memory, is_left, rate, tolerance};
+use super::newton::is_near;
 use super::{Solution, SolutionOf, count, go_on};
 use crate::kernel::{AtState, Kernel};
 use crate::scalar::blocks::{change, is_within};
@@ -28,6 +29,7 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
     // of changes, one after the other, that are no rounding
     let (mut iterations, mut residual, mut sharp) = (T::all(0), T::of(0.0), [T::of(1.0), memory.rate]);
     let (mut last, mut round) = (T::of(FAR), 0);
+    let start = (convergence == Convergence::Quadratic).then(|| equation.start());
     let is_as_fast = memory.is_as_fast(convergence);
     let few = if convergence.is_newton() { FEW + 1 } else { 1 };
     let mut measures = !is_as_fast;
@@ -73,6 +75,11 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
                 now.le(least) | (now.le(most) & sharp[1].le(T::of(QUICK) * sharp[0]))
             };
             is_last = is_last | (again & !is_as_fast & is_small);
+        }
+        if let Some(start) = &start {
+            // it may be another solution
+            let is_far = is_last & !is_near::<T, _>(blocks, start, &unknown);
+            (is_last, again) = (is_last & !is_far, again & !is_far);
         }
         solved = solved | is_last;
         if round <= few {

@@ -102,6 +102,12 @@ fn roundoff<T: Batch, K: Kernel<T>>(
     all
 }
 
+/// Whether a solution is so near to the equation's first approximation that Newton's method leads to it from there.
+#[inline(always)]
+pub(super) fn is_near<T: Batch, U: Components<T>>(blocks: &[usize], start: &U, solution: &U) -> T::Mask {
+    change::<T, _>(blocks, start, solution).le(T::of(NEAR))
+}
+
 /// Whether Newton's method leads to this solution from the equation's first approximation, too. Where steps are so large that the equation has
 /// several solutions, which of them a step takes must not depend on what is remembered.
 #[inline(always)]
@@ -110,7 +116,7 @@ fn is_found_from_start<T: Batch, K: Kernel<T>>(
     solution: &K::Unknown,
 ) -> T::Mask {
     let (start, blocks) = (equation.start(), equation.kernel.blocks());
-    let is_near = change::<T, _>(blocks, &start, solution).le(T::of(NEAR));
+    let is_near = is_near::<T, _>(blocks, &start, solution);
     if is_near.all() {
         return is_near;
     }

@@ -2,7 +2,7 @@
 
 use super::constants::{FAR, FEW};
 use super::memory::{Convergence, Memory, is_left};
-use super::newton::Newton;
+use super::newton::{Newton, is_near};
 use super::predictor::{Guess, Predictor};
 use super::rescue::{Rescue, Rescued};
 use super::{Solution, SolutionOf, fixed_point, go_on};
@@ -279,6 +279,12 @@ fn fast_path<P: Processor, T: Batch, K: Kernel<T>>(
             (last, more) = (T::select(is_last, last, now), more + 1);
             evaluation = kernel.evaluate(state, &step, &point);
         }
+        if let Some(start) = &start
+            && Convergence::of(kernel) == Convergence::Quadratic
+            && !is_near::<T, _>(kernel.blocks(), start, &unknown).all()
+        {
+            return (*state, Err(None));
+        }
         // before what follows from this solution, for the next step waits for it
         kept = start.map_or(unknown, |start| apart::<T, _>(&less(&unknown, &start)));
         then = apart_here::<T, _>(&Predictor::then(
@@ -408,7 +414,10 @@ fn by_newton<T: Batch, K: Kernel<T>>(
     }
     let (mut elsewhere, mut rate) = (T::Mask::splat(memory.predictor.remembers()), memory.rate);
     if let Some(before) = &before {
-        (elsewhere, rate) = (elsewhere & !memory.is_strong(), before.rate);
+        // iterations that contract strongly lead to one solution alone; Newton's do so to any
+        let is_newton = Convergence::of(equation.kernel) == Convergence::Quadratic;
+        let is_sure = memory.is_strong() & T::Mask::splat(!is_newton);
+        (elsewhere, rate) = (elsewhere & !is_sure, before.rate);
     }
     let newton = Newton { equation, before: before.as_ref(), from: &from, elsewhere, rate };
     T::dispatch(newton)

@@ -269,6 +269,13 @@ impl<'a, 'e, 'f> March<'a, 'e, 'f> {
         let unknown = self.stages[stage].given.unknown.clone();
         let mut kept = unknown.clone();
         if is_newton {
+            if step.has_true_jacobian {
+                // it may be another solution
+                let away = self.change(stage, &start, &unknown);
+                let near = self.e.number(numbers::<1>("NEAR")[0]);
+                let is_near = self.e.compare(FloatCC::LessThanOrEqual, away, near);
+                self.check(is_near, stage, carried, exit, |_| {});
+            }
             kept = self.each(&unknown, &start, Emitter::sub);
         }
         let (next, good) = self.finish(stage);

@@ -342,6 +342,10 @@ U_FN void K_iterate(const K_equation *q, const K_memory *m, const REAL *guess, c
     const int is_as_fast = m->count >= FAST_FROM && m->due > 0;
     int measures = !is_as_fast;
 //end
+//if quadratic
+    REAL start[SIZE];
+    K_start(q, start);
+//end
     K_copy(s->unknown, guess);
     s->solved = 0;
     s->iterations = 0;
@@ -391,6 +395,13 @@ U_FN void K_iterate(const K_equation *q, const K_memory *m, const REAL *guess, c
 //end
             is_last = again && (now <= U_TOLERANCE_0 * U_EPSILON || (now <= most && sharp_now <= U_QUICK * sharp_last));
         }
+//if quadratic
+        if (is_last && !(K_change(start, s->unknown) <= U_NEAR)) {
+            /* it may be another solution */
+            is_last = 0;
+            again = 0;
+        }
+//end
         s->solved |= is_last;
         if (is_last)
             s->residual = now;
@@ -713,7 +724,11 @@ SLOW S_status K_slow(const K_constants *k, K_memory *m, const S_state *x TIMED_A
             K_learn(&q, m, &s);
             return U_OK;
         }
+//if quadratic
+        /* what Newton's method contracts to may be any solution */
+//else
         elsewhere = elsewhere && !(rate <= U_STRONG);
+//end
         rate = s.rate;
     } else {
         s.solved = 0;
@@ -791,6 +806,10 @@ U_HOT int K_fast(const K_constants *k, K_memory *m, K_path *path, const S_state 
         last = now;
         more++;
     }
+//if quadratic
+    if (!(K_change(start, unknown) <= U_NEAR))
+        return 2;
+//end
     for (i = 0; i < SIZE; i++)
         kept[i] = unknown[i] + -start[i];
     K_eighth(m, path->oldest, then);
