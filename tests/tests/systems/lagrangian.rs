@@ -414,6 +414,39 @@ fn newtons_iteration_begins_where_earlier_solutions_point() {
     assert!(each[0] > 3 && more <= 2 && each.iter().all(|iterations| *iterations <= each[0]), "{each:?}");
 }
 
+/// Two rods in a plane, of a metre and with a kilogram at each end.
+#[lie_poisson_system(
+    group(first: SO2, second: SO2),
+    lagrangian = {
+        let (upper, lower) = (first_velocity.x, second_velocity.x);
+        let between = first.inverse() * second;
+        upper.powi(2) + lower.powi(2) / 2.0 + upper * lower * between.cos_angle()
+            + gravity * (2.0 * first.cos_angle() + second.cos_angle())
+    },
+)]
+struct Pendulums {
+    gravity: f64,
+}
+
+/// Steps so large that their equation has several solutions: what is remembered does not choose among them.
+#[test]
+fn warm_and_cold_steps_of_newtons_method_are_the_same() {
+    let rods = Pendulums { gravity: 9.81 };
+    for step in [0.021, 0.025, 0.029] {
+        let new = || rods.stepper::<SymplecticEulerA<Exponential>>(step).expect("a stepper");
+        let (first, second) = (UnitComplex::new(100_f64.to_radians()), UnitComplex::new(150_f64.to_radians()));
+        let (mut state, mut stepper) = (PendulumsState { first, second, ..Default::default() }, new());
+        for count in 0..4_000 {
+            let mut cold = state.clone();
+            new().step(&mut cold).expect("a step");
+            stepper.step(&mut state).expect("a step");
+            let away = distance(&state.to_components(), &cold.to_components());
+            assert!(away < 1e-13, "{count} steps of {step}: {away:e}");
+        }
+        assert!((rods.energy(&state) - 11.9).abs() < 2.0, "{step}: {}", rods.energy(&state));
+    }
+}
+
 #[test]
 fn a_singular_transform_is_an_error() {
     let (growing, momentum) = (Growing {}, vector![1.0]);
