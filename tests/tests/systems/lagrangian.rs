@@ -434,7 +434,8 @@ fn warm_and_cold_steps_of_newtons_method_are_the_same() {
     let rods = Pendulums { gravity: 9.81 };
     for step in [0.021, 0.025, 0.029] {
         let new = || rods.stepper::<SymplecticEulerA<Exponential>>(step).expect("a stepper");
-        let (first, second) = (UnitComplex::new(100_f64.to_radians()), UnitComplex::new(150_f64.to_radians()));
+        let (first, second) =
+            (UnitComplex::new(100_f64.to_radians()), UnitComplex::new(150_f64.to_radians()));
         let (mut state, mut stepper) = (PendulumsState { first, second, ..Default::default() }, new());
         for count in 0..4_000 {
             let mut cold = state.clone();
