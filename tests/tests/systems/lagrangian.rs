@@ -438,7 +438,7 @@ fn warm_and_cold_steps_of_newtons_method_are_the_same() {
             (UnitComplex::new(100_f64.to_radians()), UnitComplex::new(150_f64.to_radians()));
         let (mut state, mut stepper) = (PendulumsState { first, second, ..Default::default() }, new());
         for count in 0..4_000 {
-            let mut cold = state.clone();
+            let mut cold = state;
             new().step(&mut cold).expect("a step");
             stepper.step(&mut state).expect("a step");
             let away = distance(&state.to_components(), &cold.to_components());
