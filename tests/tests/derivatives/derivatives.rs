@@ -613,9 +613,11 @@ where
         let components = array(|k| controls.as_ref()[k] + if k == i { share } else { 0.0 });
         run(&system, start.clone(), &S::Control::from_components(&components)).1
     });
+    // all by one factor, so that what is symmetric stays so
     let parameters = system.to_parameters();
-    agree("parameter", gradient.parameters.as_slice(), &|i, share| {
-        let parameters = array(|k| parameters.as_ref()[k] + if k == i { share } else { 0.0 });
+    let along = gradient.parameters.as_slice().iter().zip(parameters.as_ref()).map(|(slope, by)| slope * by);
+    agree("parameters", &[along.sum()], &|_, share| {
+        let parameters = array(|k| parameters.as_ref()[k] * (1.0 + share));
         run(&S::from_parameters(&parameters), start.clone(), &control).1
     });
 }
