@@ -160,7 +160,13 @@ impl<T: Called, const U: usize> Method<T> for Pair<T, U> {
                 next.iter_mut().zip(now).for_each(|(to, number)| *to = number);
                 advanced
             }
-            marched => self.rest(marched, time, control, known, next),
+            marched => {
+                // those of a first stage whose second one needs more
+                let more = marched.map_or(0, |marched| marched[0].more.1);
+                let mut advanced = self.rest(marched, time, control, known, next)?;
+                advanced.iterations.as_mut().iter_mut().for_each(|all| *all = all.wrapping_add(more));
+                Ok(advanced)
+            }
         }
     }
 
@@ -187,6 +193,10 @@ impl<T: Called, const U: usize> Method<T> for Pair<T, U> {
                 let more = (a.0.wrapping_add(b.0), a.1.wrapping_add(b.1));
                 report.count(marched[0].steps, &each.iterations, each.residual, more);
                 report.steps += marched[0].steps;
+                if marched[0].steps == 0 {
+                    // those of a first stage whose second one needs more
+                    report.iterations.as_mut().iter_mut().for_each(|all| *all = all.wrapping_add(more.0));
+                }
             }
             let stage = &mut self.stages[0];
             let now = stage.joined.frame().read(stage.step.layout.state.clone());
