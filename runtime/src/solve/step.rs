@@ -413,11 +413,15 @@ fn by_newton<T: Batch, K: Kernel<T>>(
         return Solution::of(equation, &from, T::Mask::splat(true), memory.rate);
     }
     let (mut elsewhere, mut rate) = (T::Mask::splat(memory.predictor.remembers()), memory.rate);
+    let mut from = from;
     if let Some(before) = &before {
-        // iterations that contract strongly lead to one solution alone; Newton's do so to any
+        // iterations that contract strongly lead to one solution alone; Newton's do so to any, and may have come to it
         let is_newton = Convergence::of(equation.kernel) == Convergence::Quadratic;
         let is_sure = memory.is_strong() & T::Mask::splat(!is_newton);
         (elsewhere, rate) = (elsewhere & !is_sure, before.rate);
+        if is_newton {
+            from = before.unknown;
+        }
     }
     let newton = Newton { equation, before: before.as_ref(), from: &from, elsewhere, rate };
     T::dispatch(newton)

@@ -725,7 +725,8 @@ SLOW S_status K_slow(const K_constants *k, K_memory *m, const S_state *x TIMED_A
             return U_OK;
         }
 //if quadratic
-        /* what Newton's method contracts to may be any solution */
+        /* what Newton's method contracts to may be any solution, and it may have come to it */
+        K_copy(guess, s.unknown);
 //else
         elsewhere = elsewhere && !(rate <= U_STRONG);
 //end
