@@ -104,10 +104,10 @@ pub(crate) fn beyond<T: Batch, U: Components<T>>(blocks: &[usize], of: &U, bound
     let (mut beyond, mut from) = (*of, 0_usize);
     blocks!(blocks, U::LENGTH, i, [size = T::of(0.0) => of.as_ref()[i].abs(), most = floor() => bound.as_ref()[i].abs()], {
         let is_below = size.le(most) & most.is_finite();
-        while from < i {
-            beyond.as_mut()[from] = T::select(is_below, T::of(0.0), beyond.as_ref()[from]);
-            from += 1;
+        for x in beyond.as_mut().iter_mut().take(i).skip(from) {
+            *x = T::select(is_below, T::of(0.0), *x);
         }
+        from = i;
     });
     beyond
 }
