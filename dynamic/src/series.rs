@@ -80,6 +80,11 @@ impl SeriesFunctions for InterpretedSeries {
         self.results(frame, TaylorRole::Next, to);
     }
 
+    fn rate(&self, frame: &mut [f64], end: &[f64], to: &mut [f64]) {
+        self.functions.give(frame, Input::End, end);
+        self.results(frame, TaylorRole::Rate, [to]);
+    }
+
     fn finish(&self, frame: &mut [f64], end: &[f64]) -> Vec<f64> {
         self.functions.give(frame, Input::End, end);
         let places = self.functions.call(frame, TaylorRole::Finish);

@@ -77,6 +77,7 @@ class System:
         *,
         step: float | None = None,
         tolerance: float | None = None,
+        max_step: float | None = None,
         controls: Any,
         every: int | None = None,
         samples: _Array | None = None,
@@ -91,6 +92,7 @@ class System:
         *,
         step: float | None = None,
         tolerance: float | None = None,
+        max_step: float | None = None,
         input: Callable[[float], _Array] | None = None,
     ) -> _Array: ...
 

@@ -115,6 +115,7 @@ def run(
     scheme: str | None,
     order: int | None,
     tolerance: float | None,
+    max_step: float | None,
     controls: Any,
     events: Any,
     t_eval: ArrayLike | None,
@@ -125,6 +126,8 @@ def run(
     span, start = span_of(t_span), system.state(y0).flat
     if (step is None) == (tolerance is None):
         raise TypeError("a run needs either a `step` or a `tolerance`")
+    if max_step is not None and (tolerance is None or not max_step > 0):
+        raise ValueError(f"`max_step` is a positive bound of the steps that a `tolerance` chooses, not {max_step!r}")
     name = scheme_name(system.system, scheme, order)
     own = None if step is None else step_of(step, span)
     if int(every) != every or every < 1:
@@ -148,6 +151,7 @@ def run(
         span,
         step=own,
         tolerance=tolerance,
+        max_step=max_step,
         controls=acting,
         every=int(every) if keeps else None,
         samples=samples,
@@ -176,6 +180,7 @@ def run(
         scheme=name,
         step=own,
         tolerance=tolerance,
+        max_step=max_step,
         nsteps=found["steps"],
         niterations=found["iterations"],
         status=-1 if error is not None else 1 if found["stopped"] else 0,
@@ -231,6 +236,7 @@ class Solution:
         scheme: str,
         step: float | None,
         tolerance: float | None,
+        max_step: float | None,
         nsteps: int,
         niterations: int,
         status: int,
@@ -238,7 +244,7 @@ class Solution:
     ) -> None:
         self.system, self.t, self.y, self.controls = system, t, y, controls
         self.t_events, self.y_events = t_events, y_events
-        self.scheme, self.step, self.tolerance = scheme, step, tolerance
+        self.scheme, self.step, self.tolerance, self.max_step = scheme, step, tolerance, max_step
         self.nsteps, self.niterations, self.status, self.message = nsteps, niterations, status, message
         self._known: tuple[Array, Array, Array] | None = None
         self._driven: Callable[[float], Array] | None = None
@@ -272,7 +278,13 @@ class Solution:
         if not ((times >= low) & (times <= high)).all():
             raise ValueError(f"the solution is known from {low} to {high} alone")
         flat = self.system._native.dense(
-            self.scheme, self._known, times.ravel(), step=self.step, tolerance=self.tolerance, input=self._driven
+            self.scheme,
+            self._known,
+            times.ravel(),
+            step=self.step,
+            tolerance=self.tolerance,
+            max_step=self.max_step,
+            input=self._driven,
         )
         return State(self.system.system._state, flat.reshape(*times.shape, self.system.system._state.length))
 

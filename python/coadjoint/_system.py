@@ -448,6 +448,7 @@ class BoundSystem:
         scheme: str | None = None,
         order: int | None = None,
         tolerance: float | None = None,
+        max_step: float | None = None,
         controls: Any = None,
         events: Callable[..., Any] | Sequence[Callable[..., Any]] | None = None,
         t_eval: ArrayLike | None = None,
@@ -463,6 +464,7 @@ class BoundSystem:
         scheme, order: the steps: `exponential`, the default, `cayley`, `midpoint`, `verlet` … or the library's name, `Midpoint<Cayley>`; of order 2, or composed
             to 4, 6, 8 or 10. Words are on the exponential, or on the Cayley map where that alone was derived; `hamilton-jacobi` has the order that was derived.
         tolerance: in place of `step`, Taylor steps, each as long as this error allows: the description needs `taylor`.
+        max_step: with a `tolerance`, no step is longer. What comes and goes within a step, as a pulse does, may not be seen.
         controls: an array or a dict that is held; `(times, values)`, each held until the next; a function of `t`; or one of `t, y`, asked before each step.
         events: functions of `t, y` whose zeros are found within the steps. As in scipy, an attribute `terminal`, a bool or a count, ends the run,
             and `direction` says which zeros count. `apply`, a function of `t, y`, changes the state there; `points` says at how many points to look in each step.
@@ -473,7 +475,20 @@ class BoundSystem:
         from ._solution import run
 
         return run(
-            self, y0, t_span, step, scheme, order, tolerance, controls, events, t_eval, every, dense_output, progress
+            self,
+            y0,
+            t_span,
+            step,
+            scheme,
+            order,
+            tolerance,
+            max_step,
+            controls,
+            events,
+            t_eval,
+            every,
+            dense_output,
+            progress,
         )
 
     @overload

@@ -293,10 +293,16 @@ where
 }
 
 /// What takes the steps: of one size, or as long as a tolerance allows.
-fn stepping(system: &System, name: &str, step: Option<f64>, tolerance: Option<f64>) -> PyResult<Box<Any>> {
+fn stepping(
+    system: &System,
+    name: &str,
+    step: Option<f64>,
+    (tolerance, max_step): (Option<f64>, Option<f64>),
+) -> PyResult<Box<Any>> {
     Ok(match (step, tolerance) {
         (_, Some(tolerance)) => {
-            Box::new(erased::Adaptive::new(system.erased(), tolerance).map_err(error::stepper)?)
+            let steps = erased::Adaptive::new(system.erased(), tolerance).map_err(error::stepper)?;
+            Box::new(steps.with_max_step(max_step.unwrap_or(f64::INFINITY)))
         }
         (Some(step), None) => {
             Box::new(erased::Stepper::new(system.erased(), &scheme(name)?, step).map_err(error::stepper)?)
@@ -308,7 +314,7 @@ fn stepping(system: &System, name: &str, step: Option<f64>, tolerance: Option<f6
 #[pymethods]
 impl System {
     /// Runs from a state: times and states, and how it went.
-    #[pyo3(signature = (scheme, state, span, *, step=None, tolerance=None, controls, every=None, samples=None, events, progress=None))]
+    #[pyo3(signature = (scheme, state, span, *, step=None, tolerance=None, max_step=None, controls, every=None, samples=None, events, progress=None))]
     #[allow(clippy::too_many_arguments, reason = "Python's own words are on the other side")]
     fn run<'py>(
         &self,
@@ -318,6 +324,7 @@ impl System {
         span: (f64, f64),
         step: Option<f64>,
         tolerance: Option<f64>,
+        max_step: Option<f64>,
         controls: Law<'py>,
         every: Option<u64>,
         samples: Option<Numbers<'py>>,
@@ -328,7 +335,7 @@ impl System {
         let mut state = numbers(&state, lengths.0, "the state")?;
         let acting = controls.acting(py, lengths.1)?;
         let samples = samples.as_ref().map(slice).transpose()?;
-        let mut stepper = stepping(self, scheme, step, tolerance)?;
+        let mut stepper = stepping(self, scheme, step, (tolerance, max_step))?;
         let plan = Plan { span, every: every.map(|every| every.max(1)), samples, events: &events, lengths };
         let (outcome, ticks, at, hits, time, error) = py.detach(|| {
             let [ticks, samples] = [Records::default(), Records::default()].map(RefCell::new);
@@ -370,7 +377,7 @@ impl System {
     }
 
     /// The states at times within a run whose states are known at some times.
-    #[pyo3(signature = (scheme, known, times, *, step=None, tolerance=None, input=None))]
+    #[pyo3(signature = (scheme, known, times, *, step=None, tolerance=None, max_step=None, input=None))]
     #[allow(clippy::too_many_arguments, reason = "Python's own words are on the other side")]
     fn dense(
         &self,
@@ -380,6 +387,7 @@ impl System {
         times: Numbers<'_>,
         step: Option<f64>,
         tolerance: Option<f64>,
+        max_step: Option<f64>,
         input: Option<Py<PyAny>>,
     ) -> PyResult<Py<PyArray1<f64>>> {
         let (width, inputs) = self.lengths();
@@ -387,7 +395,7 @@ impl System {
         let (count, times) = (rows(states, width, "states")?, slice(&times)?);
         check(ticks, count, "times")?;
         check(controls, count * inputs, "controls")?;
-        let stepper = stepping(self, scheme, step, tolerance)?;
+        let stepper = stepping(self, scheme, step, (tolerance, max_step))?;
         let is_forward = ticks[count - 1] >= ticks[0];
         let watch = Watch::new(None);
         let mut all = Vec::new();

@@ -293,6 +293,26 @@ def test_a_tolerance():
     assert np.abs(back.end.flat - y0.flat).max() < 1e-8
 
 
+def test_series_are_held_against_the_motion():
+    ball = co.System(
+        group="R3", inertia="mass: float", parameters="g: float, c: float", potential="mass * g * position.z",
+        force="-c * velocity.norm() * velocity", taylor=True,
+    )(mass=1, g=9.81, c=0.2)
+    sol = ball.run({}, 2, tolerance=1e-12)
+    assert abs(sol.end.momentum[2] + np.sqrt(9.81 / 0.2) * np.tanh(2 * np.sqrt(9.81 * 0.2))) < 1e-9
+
+
+def test_a_bound_of_the_steps():
+    push = co.System(
+        group="R1", inertia="m: float", force="vector![if t < 4.0 { 0.0 } else if t < 4.001 { 1.0 } else { 0.0 }]",
+        taylor=True,
+    )(m=1)
+    sol = push.run({}, 10, tolerance=1e-12, max_step=0.001)
+    assert abs(sol.end.momentum[0] - 1e-3) < 1e-12
+    with pytest.raises(ValueError, match="max_step"):
+        push.run({}, 10, step=0.1, max_step=0.01)
+
+
 def test_a_tolerance_needs_power_series(top, y0):
     with pytest.raises(ValueError, match="`taylor`"):
         top.run(y0, 1, tolerance=1e-9)

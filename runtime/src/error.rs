@@ -156,6 +156,16 @@ pub enum StepError {
         /// The step that the series would allow.
         step: f64,
     },
+    /// Taylor steps get no farther than their tolerance allows at a jump: what moves the system jumps to and fro where the motion is held by it, as dry
+    /// friction does at rest.
+    #[error(
+        "what moves the system jumps back and forth over steps as short as {step:e}, as dry friction does at rest: make it smooth, as `tanh` is, or \
+         take steps of one length, whose error is not looked at"
+    )]
+    Jumps {
+        /// The last step.
+        step: f64,
+    },
     /// A Taylor step would have no end, for the motion is a polynomial in time, as it is at rest.
     #[error(
         "the motion is a polynomial in time, so that a step of any length is exact: say to which time, or bound the step"

@@ -18,6 +18,7 @@ pub fn taylor<'a>(arena: &'a Arena, taylor: &Taylor<'a>, inputs: Inputs) -> Tayl
     let maps = [
         (TaylorRole::Leading, vec![&taylor.start, first, event]),
         (TaylorRole::Next, vec![next, left, right, next_event]),
+        (TaylorRole::Rate, vec![&taylor.rate]),
         (TaylorRole::Finish, vec![&taylor.next]),
     ];
     let all: Vec<Expr<'a>> = maps.iter().flat_map(|(_, map)| map).flat_map(|vector| vector.iter()).collect();
@@ -45,6 +46,7 @@ impl Results for TaylorRole {
                 let suffixes = ["_left", "_right"].map(|suffix| names(Input::Sums, suffix));
                 [&[names(Input::Coefficients, "_rate")], &suffixes[..]].concat().concat()
             }
+            Self::Rate => names(Input::Coefficients, "_there"),
             Self::Finish => names(Input::State, "_next"),
         }
     }

@@ -35,6 +35,8 @@ pub struct Taylor<'a> {
     pub events: Vec<usize>,
     /// Stand for the unknowns at the end of the step.
     pub end: Vector<'a>,
+    /// How the unknowns change there.
+    pub rate: Vector<'a>,
     /// The state at the end of the step.
     pub next: Vector<'a>,
 }
@@ -49,6 +51,17 @@ struct Unknowns<'a> {
     controls: Option<usize>,
 }
 
+impl<'a> Unknowns<'a> {
+    /// What they are at the end of the step.
+    fn ends(&self) -> Values<'a> {
+        let mut ends = Values::new();
+        for (unknown, &end) in self.all.iter().zip(&self.end) {
+            bind(&mut ends, &Vector(vec![unknown.symbol]), &Vector(vec![end]));
+        }
+        ends
+    }
+}
+
 /// The series of a system's motion. None where a function in its description has no closed recurrence.
 pub fn taylor<'a>(arena: &'a Arena, system: &System<'a>) -> Option<Taylor<'a>> {
     let motion = Motion::new(arena, system);
@@ -61,10 +74,10 @@ pub fn taylor<'a>(arena: &'a Arena, system: &System<'a>) -> Option<Taylor<'a>> {
     let unknowns = motion.unknowns(&values);
     let recurrences = Recurrences::new(arena, &unknowns.all, &values)?;
     let end = Vector(unknowns.end.clone());
-    let next = motion.next(&unknowns);
+    let (rate, next) = (motion.rate(&unknowns), motion.next(&unknowns));
     let start = Vector(unknowns.all.iter().map(|unknown| unknown.start).collect());
     let Unknowns { blocks, controls, .. } = unknowns;
-    Some(Taylor { recurrences, start, blocks, controls, events, end, next })
+    Some(Taylor { recurrences, start, blocks, controls, events, end, rate, next })
 }
 
 /// A motion in the unknowns of its series.
@@ -270,13 +283,15 @@ impl<'s, 'a> Motion<'s, 'a> {
         Some(Vector(images?.iter().map(|image| advected.dot(image)).collect()))
     }
 
+    /// How the unknowns change at the end of the step, as the equations have it: the series are held against it.
+    fn rate(&self, unknowns: &Unknowns<'a>) -> Vector<'a> {
+        Vector(unknowns.all.iter().map(|unknown| unknown.change).collect()).substitute(&unknowns.ends())
+    }
+
     /// The state at the end of the step.
     fn next(&self, unknowns: &Unknowns<'a>) -> Vector<'a> {
         let (system, group) = (self.system, &self.system.group);
-        let mut ends = Values::new();
-        for (unknown, &end) in unknowns.all.iter().zip(&unknowns.end) {
-            bind(&mut ends, &Vector(vec![unknown.symbol]), &Vector(vec![end]));
-        }
+        let ends = unknowns.ends();
         let at_end = |vector: &Vector<'a>| vector.substitute(&ends);
         // back on the group
         let relative = at_end(&self.relative);

@@ -79,6 +79,8 @@ pub enum TaylorRole {
     Leading,
     /// Once an order, the coefficients: of the changes, and of both operands of all products.
     Next,
+    /// The changes where what has a series has come to.
+    Rate,
     /// The next state.
     Finish,
 }
@@ -188,6 +190,7 @@ impl FunctionRole for TaylorRole {
                 "Once a step: the coefficients of order 0"),
             Self::Next => row("next", &[STEP, Coefficients, Sums, Order], &["change", "left", "right"],
                 "Once an order: the coefficients of the changes, and of what is multiplied"),
+            Self::Rate => row("rate", &[STEP, End], &["rate"], "At each place looked at: the changes there"),
             Self::Finish => row("finish", &[STEP, End], &["next"], "Once a step: the next state"),
         }
     }

@@ -207,6 +207,12 @@ impl Adaptive {
         self
     }
 
+    /// Takes no longer steps than this: see [`taylor::Adaptive::with_max_step`].
+    pub fn with_max_step(mut self, step: f64) -> Self {
+        self.carried_mut().0.bound(step);
+        self
+    }
+
     /// The time at which the next step starts.
     pub fn time(&self) -> f64 {
         self.carried().0.time()
@@ -250,9 +256,10 @@ impl Stepping for Adaptive {
             return Err(ParameterError::Length { expected, got });
         }
         let system = self.system.with_parameters(parameters);
-        let (tolerance, memory) = (self.tolerance, self.snapshot());
+        let (tolerance, memory, most) = (self.tolerance, self.snapshot(), self.carried().0.most);
         let series = system.power_series(tolerance).ok_or(ParameterError::Tolerance { tolerance })?;
         (self.system, self.steps) = (system, series?);
+        self.carried_mut().0.bound(most);
         self.restore(&memory)
     }
 

@@ -25,6 +25,8 @@ pub struct Pace {
     time: [f64; 2],
     /// When the last step started; not a number where the series are not those of it.
     from: f64,
+    /// How many of the last steps were cut down to the least ones.
+    cut: u32,
 }
 
 /// The step that is wanted next.
@@ -41,6 +43,9 @@ impl From<Length> for Wanted {
     }
 }
 
+/// So many least steps in a row lead across any jump; more are taken where what moves jumps back.
+const MOST_CUT: u32 = 16;
+
 /// A step that is shorter than this share of the time leads nowhere.
 pub(crate) const SHORTEST: f64 = 4.0 * f64::EPSILON;
 
@@ -54,6 +59,7 @@ impl Default for Pace {
             last: None,
             time: [0.0; 2],
             from: f64::NAN,
+            cut: 0,
         }
     }
 }
@@ -64,6 +70,11 @@ impl Pace {
 
     pub(crate) fn time(&self) -> f64 {
         self.time[0]
+    }
+
+    /// Bounds the length of the steps; an infinite or negative bound is none.
+    pub(crate) fn bound(&mut self, step: f64) {
+        self.most = if step > 0.0 { step } else { f64::INFINITY };
     }
 
     pub(crate) fn set_time(&mut self, time: f64) {
@@ -124,7 +135,7 @@ impl Pace {
     /// Goes on in time by a step, if it leads anywhere.
     pub(crate) fn took(
         &mut self,
-        step: f64,
+        (step, share): (f64, f64),
         is_finite: bool,
         end: Option<(f64, f64)>,
     ) -> Result<(), StepError> {
@@ -137,6 +148,12 @@ impl Pace {
             self.last = None;
             return Err(if step.is_finite() { StepError::NotFinite } else { StepError::NoEnd });
         }
+        let cut = if share < 4.0 { self.cut + 1 } else { 0 };
+        if cut > MOST_CUT {
+            self.last = None;
+            return Err(StepError::Jumps { step });
+        }
+        self.cut = cut;
         // both numbers of the time, and the step
         let sum = high + step;
         let part = sum - high;

@@ -4,9 +4,10 @@ use core::fmt;
 
 use super::System;
 use super::input::Polynomial;
+use super::pace::SHORTEST;
 use crate::kernel::Blocks;
 use crate::scalar::simd::lanes::Processor;
-use crate::scalar::{Batch, Components, LongWork, Real, Scalar};
+use crate::scalar::{Batch, Components, LongWork, Real, Scalar, Work};
 
 /// The highest order of a Taylor step: more than doubles have digits for.
 pub(crate) const MOST_COEFFICIENTS: usize = 32;
@@ -71,6 +72,8 @@ pub trait PowerSeries: System {
     fn sums<'s, T: Scalar>(
         terms: impl Iterator<Item = (&'s Self::Operands<T>, &'s Self::Operands<T>)> + Clone,
     ) -> Self::Lanes<T>;
+    /// The changes of what has a series, where it has come to.
+    fn rate<T: Scalar>(kept: &Self::Kept<T>, end: &Self::Coefficients<T>) -> Self::Coefficients<T>;
     /// The state where the step has come to.
     fn finish<T: Scalar>(kept: &Self::Kept<T>, end: &Self::Coefficients<T>) -> Self::StateComponents<T>;
 }
@@ -299,18 +302,21 @@ impl<S: PowerSeries, T: Batch> Factors<S, T> for Columns<S, T> {
 /// The power series of one step, and room for what they are made of.
 pub(crate) struct Series<S: PowerSeries, T: Batch, R: Room = Within> {
     kept: S::Kept<T>,
+    /// What is kept of a start that is rounded otherwise.
+    perturbed: Option<S::Kept<T>>,
     factors: R::Factors<S, T>,
     coefficients: R::Orders<S::Coefficients<T>>,
     events: R::Orders<S::Events<T>>,
     order: usize,
+    rule: Rule,
     /// Whether the controls are held.
     is_held: bool,
 }
 
 impl<S: PowerSeries, T: Batch> Clone for Series<S, T> {
     fn clone(&self) -> Self {
-        let Self { kept, coefficients, events, order, is_held, .. } = *self;
-        Self { kept, factors: self.factors.clone(), coefficients, events, order, is_held }
+        let Self { kept, perturbed, coefficients, events, order, rule, is_held, .. } = *self;
+        Self { kept, perturbed, factors: self.factors.clone(), coefficients, events, order, rule, is_held }
     }
 }
 
@@ -321,7 +327,8 @@ impl<S: PowerSeries, T: Batch, R: Room> Series<S, T, R> {
         let coefficients = R::all(S::Coefficients::splat(zero));
         let events = R::all(S::Events::splat(zero));
         let (kept, factors) = (S::Kept::splat(zero), R::Factors::new());
-        Self { kept, factors, coefficients, events, order, is_held: true }
+        let rule = Rule::new(order, T::EPSILON);
+        Self { kept, perturbed: None, factors, coefficients, events, order, rule, is_held: true }
     }
 
     pub(crate) fn order(&self) -> usize {
@@ -337,7 +344,7 @@ impl<S: PowerSeries, T: Batch, R: Room> Series<S, T, R> {
     fn expand<P: Processor>(&mut self, start: &Start<'_, S, T>) {
         let Start { parameters, state, time, control, velocity, input } = start;
         let Leading { kept, start, change, events } = S::leading(parameters, state, *time, control, velocity);
-        (self.kept, self.is_held) = (kept, input.is_none());
+        (self.kept, self.perturbed, self.is_held) = (kept, None, input.is_none());
         let coefficients = self.coefficients.as_mut();
         (coefficients[0], coefficients[1], self.events.as_mut()[0]) = (start, change, events);
         self.drive(*input, 1);
@@ -378,6 +385,61 @@ impl<S: PowerSeries, T: Batch, R: Room> Series<S, T, R> {
             }
         }
         sum
+    }
+
+    /// The same, and their derivatives by time.
+    #[inline(always)]
+    fn sum_and_slope(&self, h: T) -> [S::Coefficients<T>; 2] {
+        let coefficients = self.coefficients.as_ref();
+        let (mut sum, mut slope) = (coefficients[self.order], S::Coefficients::splat(T::of(0.0)));
+        for k in (0..self.order).rev() {
+            let terms = sum.as_mut().iter_mut().zip(slope.as_mut()).zip(coefficients[k].as_ref());
+            for ((x, slope), &c) in terms {
+                *slope = slope.mul_add(h, *x);
+                *x = x.mul_add(h, c);
+            }
+        }
+        [sum, slope]
+    }
+
+    /// How far the series miss their equation where they have come to, in a step of this length: see [`defect`].
+    #[inline(always)]
+    fn defect_at(
+        &self,
+        end: &S::Coefficients<T>,
+        slope: &S::Coefficients<T>,
+        perturbed: Option<&S::Coefficients<T>>,
+        step: T,
+    ) -> T {
+        let ([zeroth, first, ..], rate) = (self.coefficients.as_ref(), S::rate(&self.kept, end)) else {
+            return T::of(0.0);
+        };
+        let (mut sizes, mut misses) = (*zeroth, *slope);
+        // each by itself, so that they are computed side by side
+        for ((x, first), end) in sizes.as_mut().iter_mut().zip(first.as_ref()).zip(end.as_ref()) {
+            *x = size(*x, *first, *end, step);
+        }
+        for (x, rate) in misses.as_mut().iter_mut().zip(rate.as_ref()) {
+            *x = (*x - *rate).abs();
+        }
+        if let Some(perturbed) = perturbed {
+            for ((x, rate), perturbed) in
+                misses.as_mut().iter_mut().zip(rate.as_ref()).zip(perturbed.as_ref())
+            {
+                *x = *x - noise(*rate, *perturbed);
+            }
+        }
+        defect(S::BLOCKS, S::CONTROLS, [sizes.as_ref(), misses.as_ref()], step, self.rule.allowed)
+    }
+
+    /// Keeps what a start is that rounding has left elsewhere.
+    #[inline(always)]
+    fn perturb(&mut self, start: &Start<'_, S, T>) {
+        let Start { parameters, state, time, control, velocity, .. } = start;
+        let (mut state, mut time) = (**state, [*time]);
+        perturb(state.as_mut());
+        perturb(&mut time);
+        self.perturbed = Some(S::leading(parameters, &state, time[0], control, velocity).kept);
     }
 
     /// The state a time `h` after the start.
@@ -452,6 +514,83 @@ impl<S: PowerSeries, T: Batch, R: Room> Terms for Series<S, T, R> {
         }
         largest
     }
+
+    #[inline(always)]
+    fn rule(&self) -> Rule {
+        self.rule
+    }
+
+    #[inline(always)]
+    fn defect(&mut self, at: &T::Each<f64>, step: &T::Each<f64>) -> T::Each<f64> {
+        let [end, slope] = self.sum_and_slope(of_lanes(at));
+        let mut perturbed = None;
+        if let Some(kept) = &self.perturbed {
+            let mut end = end;
+            perturb(end.as_mut());
+            perturbed = Some(S::rate(kept, &end));
+        }
+        let defect = self.defect_at(&end, &slope, perturbed.as_ref(), of_lanes(step));
+        T::each(|lane| defect.lane(lane).to_f64())
+    }
+}
+
+/// A number for each lane.
+#[inline(always)]
+fn of_lanes<T: Batch>(numbers: &T::Each<f64>) -> T {
+    let mut lanes = T::of(0.0);
+    for (lane, number) in numbers.as_ref().iter().enumerate() {
+        lanes.set_lane(lane, T::Number::of(*number));
+    }
+    lanes
+}
+
+/// Changes numbers by some units of roundoff, every other one to the other side.
+#[inline(always)]
+pub(crate) fn perturb<T: Batch>(numbers: &mut [T]) {
+    for (place, x) in numbers.iter_mut().enumerate() {
+        let by = if place % 2 == 0 { 4.0 } else { -4.0 };
+        *x = *x * T::of(1.0 + by * T::EPSILON);
+    }
+}
+
+/// How large something with a series is in a step, by its coefficients of orders 0 and 1 and by what it comes to.
+#[inline(always)]
+pub(crate) fn size<T: Batch>(zeroth: T, first: T, end: T, step: T) -> T {
+    zeroth.abs() + end.abs() + (first * step).abs()
+}
+
+/// What rounding alone may leave of the derivative of a series: it tells by what it is at other numbers within rounding.
+#[inline(always)]
+pub(crate) fn noise<T: Batch>(rate: T, perturbed: T) -> T {
+    let noise = (perturbed - rate).abs();
+    T::select(noise.is_finite(), T::of(16.0) * noise, T::of(0.0))
+}
+
+/// How far series miss their equation, in units of what they may: the sum of all blocks, each of which may be off by a share of its size.
+/// Not a number where they lead beyond what there are numbers for.
+#[inline(always)]
+pub(crate) fn defect<T: Batch>(
+    blocks: &[usize],
+    controls: Option<usize>,
+    [sizes, misses]: [&[T]; 2],
+    step: T,
+    allowed: f64,
+) -> T {
+    let (zero, mut all, mut i) = (T::of(0.0), T::of(0.0), 0);
+    for &length in blocks {
+        if controls.is_some_and(|controls| i >= controls) {
+            break;
+        }
+        let (mut size, mut miss, to) = (zero, zero, i + length);
+        while i < to {
+            (size, miss) = (size + sizes[i], miss + misses[i]);
+            i += 1;
+        }
+        // nothing is no part of nothing
+        let part = miss * step.abs() / (size * T::of(allowed));
+        all = all + T::select(miss.le(zero), zero, part);
+    }
+    all
 }
 
 /// The terms of the series of a step, or of some side by side, which tell how long it may be.
@@ -469,9 +608,91 @@ pub(crate) trait Terms {
     /// The largest coefficient of one order in a block that begins there.
     fn largest(&self, order: usize, from: usize, length: usize) -> Self::Each<f64>;
 
-    /// How long the step is, after one of the length `before`.
+    /// What its last terms may be.
+    fn rule(&self) -> Rule;
+    /// How far the series miss their equation at times after the start, in a step of this length: see [`defect`].
+    fn defect(&mut self, at: &Self::Each<f64>, step: &Self::Each<f64>) -> Self::Each<f64>;
+
+    /// The largest defect at the places looked at: the end of the step, or many of them where there are.
     #[inline(always)]
-    fn step(&self, before: &[Option<f64>], length: &[Length]) -> Self::Each<f64> {
+    fn largest_defect(&mut self, steps: &Self::Each<f64>, look: &[Look]) -> Self::Each<f64> {
+        let mut largest = self.defect(steps, steps);
+        for share in PLACES {
+            if !look.contains(&Look::Within) {
+                break;
+            }
+            let mut at = *steps;
+            for at in at.as_mut() {
+                *at *= share;
+            }
+            let defects = self.defect(&at, steps);
+            for ((largest, defect), look) in largest.as_mut().iter_mut().zip(defects.as_ref()).zip(look) {
+                // what is not a number is larger than all, also than what comes after
+                if *look == Look::Within && *largest <= 1.0 && !(defect <= largest) {
+                    *largest = *defect;
+                }
+            }
+        }
+        largest
+    }
+
+    /// The longest steps up to these over which the series keep to their equation wherever it is looked at. What jumps is closed in on, and
+    /// crossed by a step that changes no more than the tolerance.
+    #[inline(always)]
+    fn shorten(&mut self, steps: &Self::Each<f64>, look: &[Look], time: &[f64]) -> Checked<Self::Each<f64>> {
+        let Rule { accuracy, .. } = self.rule();
+        let least =
+            |lane: usize| (accuracy * steps.as_ref()[lane].abs()).max(2.0 * SHORTEST * time[lane].abs());
+        let (mut low, mut high, mut trial) = (*steps, *steps, *steps);
+        let mut shares = Self::each(f64::INFINITY);
+        for (lane, trial) in trial.as_mut().iter_mut().enumerate() {
+            *trial = if look[lane] == Look::No { 0.0 } else { *trial };
+        }
+        // these may be right but for rounding
+        let mut defects = self.largest_defect(&trial, look);
+        for (lane, trial) in trial.as_ref().iter().enumerate() {
+            if *trial != 0.0 && !(defects.as_ref()[lane] <= 1.0) {
+                low.as_mut()[lane] = 0.0;
+            }
+        }
+        loop {
+            for (lane, trial) in trial.as_mut().iter_mut().enumerate() {
+                let [low, high] = [low.as_ref()[lane], high.as_ref()[lane]];
+                *trial = if (high - low).abs() > 0.5 * least(lane) { low + 0.5 * (high - low) } else { 0.0 };
+            }
+            if trial.as_ref().iter().all(|trial| *trial == 0.0) {
+                break;
+            }
+            defects = self.largest_defect(&trial, look);
+            for (lane, (trial, defect)) in trial.as_ref().iter().zip(defects.as_ref()).enumerate() {
+                let [low, high] = [&mut low.as_mut()[lane], &mut high.as_mut()[lane]];
+                if *trial == 0.0 {
+                    continue;
+                }
+                if *defect <= 1.0 {
+                    *low = *trial;
+                }
+                // where it grows little by little there is no more to be had
+                if !(*defect <= 1e-3) {
+                    *high = *trial;
+                }
+            }
+        }
+        let mut shorter = low;
+        for (lane, step) in shorter.as_mut().iter_mut().enumerate() {
+            if step.abs() < least(lane) {
+                *step = high.as_ref()[lane];
+            }
+            if *step != steps.as_ref()[lane] {
+                shares.as_mut()[lane] = step.abs() / least(lane);
+            }
+        }
+        Checked { steps: shorter, shares }
+    }
+
+    /// How long the step is, after one of the length `before`, and how long the series would have it.
+    #[inline(always)]
+    fn step(&self, before: &[Option<f64>], length: &[Length]) -> [Self::Each<f64>; 2] {
         let mut guess = Self::each(0.0);
         for ((lane, guess), length) in guess.as_mut().iter_mut().enumerate().zip(length) {
             *guess = match length {
@@ -481,6 +702,7 @@ pub(crate) trait Terms {
         }
         let is_chosen = length.iter().any(|length| matches!(length, Length::AtMost(_)));
         let mut steps = if is_chosen { self.longest_step(guess.as_ref()) } else { guess };
+        let mut natural = steps;
         for (lane, step) in steps.as_mut().iter_mut().enumerate() {
             *step = match length[lane] {
                 Length::Exactly(step) => step,
@@ -488,11 +710,12 @@ pub(crate) trait Terms {
                     let longest = if guess.as_ref()[lane] < f64::INFINITY { *step } else { f64::INFINITY };
                     // what is zero at its start in every unit that changes has no size there
                     let longest = if longest < f64::INFINITY { longest } else { self.first_guess(lane) };
+                    natural.as_mut()[lane] = longest;
                     if longest < most.abs() { longest.copysign(most) } else { most }
                 }
             };
         }
-        steps
+        [steps, natural]
     }
 
     /// How large the step may be for the last two terms to be as small as the order can make them: `e^{−2N}` of what the series is of, which is
@@ -528,7 +751,7 @@ pub(crate) trait Terms {
         let n = last as f64;
         let [mut steps, other] = least;
         for (step, other) in steps.as_mut().iter_mut().zip(other.as_ref()) {
-            *step = root(*step, n - 1.0).min(root(*other, n)) * self.margin();
+            *step = root(*step, n - 1.0).min(root(*other, n)) * self.rule().margin;
         }
         steps
     }
@@ -547,15 +770,44 @@ pub(crate) trait Terms {
             }
             from += length;
         }
-        guess * self.margin()
-    }
-
-    /// How much shorter a step is than the series converges.
-    #[inline(always)]
-    fn margin(&self) -> f64 {
-        Scalar::exp(-0.7 / (self.last() as f64 - 1.0) - 2.0)
+        guess * self.rule().margin
     }
 }
+
+/// How a step is chosen that ends with terms of some order.
+#[derive(Clone, Copy)]
+pub(crate) struct Rule {
+    /// How much shorter a step is than the series converges.
+    margin: f64,
+    /// The error of a step, relative to the size of what it is of.
+    accuracy: f64,
+    /// How much the change of something in a step may be off, relative to its size: the last term's derivative is as many times larger as its order.
+    pub(crate) allowed: f64,
+}
+
+impl Rule {
+    /// For series that end with this order, in numbers of this roundoff.
+    pub(crate) fn new(order: usize, unit: f64) -> Self {
+        let last = order as f64;
+        let accuracy = Scalar::exp(2.0 - 2.0 * last).max(64.0 * unit);
+        Self { margin: Scalar::exp(-0.7 / (last - 1.0) - 2.0), accuracy, allowed: (last + 1.0) * accuracy }
+    }
+}
+
+/// Steps that have been looked at, and how many of the least ones each is as long as: infinitely many if it was left as it is.
+pub(crate) struct Checked<E> {
+    pub(crate) steps: E,
+    pub(crate) shares: E,
+}
+
+/// A step is looked at at many places where the series would have it so many times as long, as polynomials would.
+const LONG: f64 = 1e6;
+
+/// The places looked at within a step, far from all that is periodic: the multiples of the golden section without what is whole of them.
+const PLACES: [f64; 16] = [
+    0.618, 0.236, 0.854, 0.472, 0.090, 0.708, 0.326, 0.944, 0.562, 0.180, 0.798, 0.416, 0.034, 0.652, 0.271,
+    0.889,
+];
 
 /// `x^{1/k}`, also of what is infinite.
 #[inline(always)]
@@ -598,18 +850,69 @@ pub(crate) enum Length {
 
 impl<S: PowerSeries, T: Batch, R: Room> LongWork for Advance<'_, S, T, R> {
     type CallSite = S::Kept<T>;
-    /// The length of the step, and the state at its end.
-    type Result = (T::Each<f64>, S::StateComponents<T>);
+    /// The step, and the state at its end.
+    type Result = (Checked<T::Each<f64>>, S::StateComponents<T>);
 
     #[inline(always)]
     fn done<P: Processor>(self) -> Self::Result {
         let Self { series, start, before, length } = self;
         series.expand::<P>(&start);
-        let steps = series.step(before.as_ref(), length.as_ref());
-        let mut lengths = T::of(0.0);
-        for (lane, step) in steps.as_ref().iter().enumerate() {
-            lengths.set_lane(lane, T::Number::of(*step));
+        let [steps, natural] = series.step(before.as_ref(), length.as_ref());
+        let [mut end, slope] = series.sum_and_slope(of_lanes(&steps));
+        let defect = series.defect_at(&end, &slope, None, of_lanes(&steps));
+        let look = T::each(|lane| {
+            let [step, natural] = [&steps, &natural].map(|steps| steps.as_ref()[lane]);
+            Look::at(length.as_ref()[lane], [step, natural], defect.lane(lane).to_f64())
+        });
+        let mut checked = Checked { steps, shares: T::all(f64::INFINITY) };
+        if look.as_ref().iter().any(|look| *look != Look::No) {
+            checked = T::dispatch(Shorten { series: &mut *series, start, steps, look });
+            end = series.sum_and_slope(of_lanes(&checked.steps))[0];
         }
-        (steps, series.state(lengths))
+        (checked, S::finish(&series.kept, &end))
+    }
+}
+
+/// At how many places within a step the series are held against their equation.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Look {
+    /// At none: they keep to it at the end of the step, or nothing is asked of it.
+    No,
+    /// At its end.
+    AtEnd,
+    /// At many, for the series say nothing about how long it may be.
+    Within,
+}
+
+impl Look {
+    /// Where to look in a step, with its length as wanted, as taken and as the series would have it, and the defect at its end.
+    #[inline(always)]
+    pub(crate) fn at(length: Length, [step, natural]: [f64; 2], defect: f64) -> Self {
+        match length {
+            Length::AtMost(_) if step.is_finite() && natural > LONG * step.abs() => Self::Within,
+            Length::AtMost(_) if step.is_finite() && !(defect <= 1.0) => Self::AtEnd,
+            _ => Self::No,
+        }
+    }
+}
+
+/// Steps over which the series may not keep to their equation: [`Terms::shorten`].
+struct Shorten<'a, 's, S: PowerSeries, T: Batch, R: Room> {
+    series: &'a mut Series<S, T, R>,
+    start: Start<'s, S, T>,
+    steps: T::Each<f64>,
+    look: T::Each<Look>,
+}
+
+impl<S: PowerSeries, T: Batch, R: Room> Work for Shorten<'_, '_, S, T, R> {
+    type CallSite = S::Kept<T>;
+    type Result = Checked<T::Each<f64>>;
+
+    #[inline(always)]
+    fn done(self) -> Self::Result {
+        let Self { series, start, steps, look } = self;
+        series.perturb(&start);
+        let time = T::each(|lane| start.time.lane(lane).to_f64());
+        series.shorten(&steps, look.as_ref(), time.as_ref())
     }
 }

@@ -152,7 +152,7 @@ impl<S: PowerSeries> Adaptive<S> {
 
     /// Takes no longer steps than this; an infinite or negative bound is none.
     pub fn with_max_step(mut self, step: f64) -> Self {
-        self.pace.most = if step > 0.0 { step } else { f64::INFINITY };
+        self.pace.bound(step);
         self
     }
 
@@ -352,7 +352,7 @@ impl<S: PowerSeries> Adaptive<S> {
         let (components, control_components) = (state.to_components(), control.to_components());
         let velocity = self.system.start_velocity(state, time, control);
         let before = self.pace.begin();
-        let (step, next) = <S::Scalar as Batch>::dispatch_wide(Advance {
+        let (checked, next) = <S::Scalar as Batch>::dispatch_wide(Advance {
             series: &mut self.series,
             start: Start {
                 parameters: &self.system.to_parameters(),
@@ -365,8 +365,8 @@ impl<S: PowerSeries> Adaptive<S> {
             before: S::Scalar::all(before),
             length: S::Scalar::all(wanted.length),
         });
-        let step = step.as_ref()[0];
-        self.pace.took(step, are_finite(next.as_ref()), wanted.end)?;
+        let (step, share) = (checked.steps.as_ref()[0], checked.shares.as_ref()[0]);
+        self.pace.took((step, share), are_finite(next.as_ref()), wanted.end)?;
         *state = S::State::from_components(&next);
         Ok(step)
     }

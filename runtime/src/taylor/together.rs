@@ -12,7 +12,7 @@ use crate::scalar::{Batch, Components as _, Real, Scalar};
 use crate::stepper::report::{RunError, RunReport};
 use crate::system::State;
 use crate::system::pace::Wanted;
-use crate::system::series::{Advance, Heap, Length, Series, Start};
+use crate::system::series::{Advance, Checked, Heap, Length, Series, Start};
 
 /// Takes each member to a time, as if it were taken alone, to the last bit.
 pub(super) fn some_to<S: PowerSeries>(
@@ -186,12 +186,13 @@ impl<S: PowerSeries, T: Batch<Number = f64>> Together<'_, S, T> {
             input: None,
         };
         let advance = Advance { series: &mut self.series, start, before, length };
-        let (steps, next) = T::dispatch_wide(advance);
+        let (Checked { steps, shares }, next) = T::dispatch_wide(advance);
         for lane in 0..T::LANES {
             let Some(Lane { member, wanted }) = self.lanes.as_ref()[lane] else { continue };
             let is_finite = next.as_ref().iter().all(|x| Batch::is_finite(x.lane(lane)));
             let (trajectory, _) = &mut self.members[member];
-            if let Err(cause) = trajectory.pace.took(steps.as_ref()[lane], is_finite, wanted.end) {
+            let step = (steps.as_ref()[lane], shares.as_ref()[lane]);
+            if let Err(cause) = trajectory.pace.took(step, is_finite, wanted.end) {
                 self.leave(lane, member, Some(cause));
                 continue;
             }

@@ -180,6 +180,9 @@ fn signature(role: TaylorRole, interface: &Interface, velocity: &Literal) -> Tok
                 order: T,
             ) -> Next<Self, T>
         },
+        TaylorRole::Rate => quote! {
+            fn rate<T: Scalar>(step: &Self::Kept<T>, end: &Self::Coefficients<T>) -> Self::Coefficients<T>
+        },
         TaylorRole::Finish => quote! {
             fn finish<T: Scalar>(step: &Self::Kept<T>, end: &Self::Coefficients<T>) -> [T; #state]
         },
@@ -200,6 +203,6 @@ fn result(values: &Values, function: &Function<TaylorRole>) -> TokenStream {
             let Products { operands, .. } = Products::new(values, function);
             quote! { Next { change: #change, operands: [#(#operands),*], events: #events } }
         }
-        TaylorRole::Finish => quote! { #(#results)* },
+        TaylorRole::Rate | TaylorRole::Finish => quote! { #(#results)* },
     }
 }

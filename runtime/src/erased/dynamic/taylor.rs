@@ -13,7 +13,9 @@ use crate::stepper::{EventSeries, Inputs, StepReport, check_deviation};
 use crate::system::adaptive::{LEAST_ORDER, order};
 use crate::system::input::{Polynomial, fitted};
 use crate::system::pace::{Pace, Wanted};
-use crate::system::series::{Coefficients, Length, MOST_COEFFICIENTS, Terms};
+use crate::system::series::{
+    Checked, Coefficients, Length, Look, MOST_COEFFICIENTS, Rule, Terms, defect, noise, perturb, size,
+};
 use crate::taylor::EXPLICIT;
 
 /// The recurrences of a motion's power series, on a frame that keeps what depends on the start of a step.
@@ -35,6 +37,8 @@ pub trait SeriesFunctions: Send + Sync + 'static {
     /// The coefficients of an order, from those of what has a series and the sums of products of lower ones: of the changes, of both operands of all
     /// products, and of the events.
     fn next(&self, frame: &mut [f64], given: (&[f64], &[f64], f64), to: [&mut [f64]; 4]);
+    /// The changes where what has a series has come to.
+    fn rate(&self, frame: &mut [f64], end: &[f64], to: &mut [f64]);
     /// The state where what has a series has come to.
     fn finish(&self, frame: &mut [f64], end: &[f64]) -> Vec<f64>;
 }
@@ -54,11 +58,14 @@ pub(super) struct DynamicTaylor {
 struct Series {
     functions: Arc<dyn SeriesFunctions>,
     frame: Vec<f64>,
+    /// That of a start that is rounded otherwise.
+    perturbed: Option<Vec<f64>>,
     /// Both operands of all products, order by order.
     operands: [Vec<Vec<f64>>; 2],
     coefficients: Vec<Vec<f64>>,
     events: Vec<Vec<f64>>,
     order: usize,
+    rule: Rule,
     /// Whether the controls are held.
     is_held: bool,
 }
@@ -86,6 +93,22 @@ impl Terms for Series {
         let larger = |largest: f64, x: &f64| if x.abs() > largest { x.abs() } else { largest };
         [self.coefficients[order][from..from + length].iter().fold(0.0, larger)]
     }
+
+    fn rule(&self) -> Rule {
+        self.rule
+    }
+
+    fn defect(&mut self, at: &[f64; 1], step: &[f64; 1]) -> [f64; 1] {
+        let [end, slope] = self.sum_and_slope(at[0]);
+        let mut perturbed = None;
+        if let Some(frame) = &mut self.perturbed {
+            let (mut end, mut rate) = (end.clone(), end.clone());
+            perturb(&mut end);
+            self.functions.rate(frame, &end, &mut rate);
+            perturbed = Some(rate);
+        }
+        [self.defect_at(&end, &slope, perturbed.as_deref(), step[0])]
+    }
 }
 
 impl Series {
@@ -94,12 +117,13 @@ impl Series {
         let coefficients = std::vec![std::vec![0.0; functions.blocks().iter().sum()]; order + 1];
         let events = std::vec![std::vec![0.0; functions.events().len()]; order];
         let (frame, operands) = (functions.frame(), [rows.clone(), rows]);
-        Self { functions, frame, operands, coefficients, events, order, is_held: true }
+        let rule = Rule::new(order, f64::EPSILON);
+        Self { functions, frame, perturbed: None, operands, coefficients, events, order, rule, is_held: true }
     }
 
     /// Computes all coefficients of the motion from a state on, with an input in the place of controls that are held.
     fn expand(&mut self, given: &Given<'_>, input: Option<&Polynomial<Vec<f64>>>) {
-        self.is_held = input.is_none();
+        (self.is_held, self.perturbed) = (input.is_none(), None);
         let Self { functions, frame, operands: [left, right], coefficients, events, order, .. } = self;
         let from = functions.controls();
         let drive = |coefficients: &mut [f64], order: usize| {
@@ -140,15 +164,54 @@ impl Series {
         Some(self.order)
     }
 
-    /// The state a time `h` after the start.
-    fn state(&self, h: f64) -> Vec<f64> {
+    /// Keeps what a start is that rounding has left elsewhere.
+    fn perturb(&mut self, given: Given<'_>) {
+        let (mut state, mut time, mut frame) = (given.state.to_vec(), [given.time], self.frame.clone());
+        perturb(&mut state);
+        perturb(&mut time);
+        let given = Given { state: &state, time: time[0], ..given };
+        let [mut start, mut change] = [0, 1].map(|order: usize| self.coefficients[order].clone());
+        let mut events = std::vec![0.0; self.functions.events().len()];
+        self.functions.leading(&mut frame, &given, [&mut start, &mut change, &mut events]);
+        self.perturbed = Some(frame);
+    }
+
+    /// What the series come to a time `h` after the start, and their derivatives there.
+    fn sum_and_slope(&self, h: f64) -> [Vec<f64>; 2] {
         let mut sum = self.coefficients[self.order].clone();
+        let mut slope = std::vec![0.0; sum.len()];
         for coefficients in self.coefficients[..self.order].iter().rev() {
-            for (x, c) in sum.iter_mut().zip(coefficients) {
+            for ((x, slope), c) in sum.iter_mut().zip(&mut slope).zip(coefficients) {
+                *slope = Scalar::mul_add(*slope, h, *x);
                 *x = Scalar::mul_add(*x, h, *c);
             }
         }
-        self.functions.finish(&mut self.frame.clone(), &sum)
+        [sum, slope]
+    }
+
+    /// How far the series miss their equation where they have come to, in a step of this length: see [`defect`].
+    fn defect_at(&mut self, end: &[f64], slope: &[f64], perturbed: Option<&[f64]>, step: f64) -> f64 {
+        let mut rate = end.to_vec();
+        self.functions.rate(&mut self.frame, end, &mut rate);
+        let (mut sizes, mut misses) = (self.coefficients[0].clone(), slope.to_vec());
+        for ((x, first), end) in sizes.iter_mut().zip(&self.coefficients[1]).zip(end) {
+            *x = size(*x, *first, *end, step);
+        }
+        for (x, rate) in misses.iter_mut().zip(&rate) {
+            *x = (*x - *rate).abs();
+        }
+        if let Some(perturbed) = perturbed {
+            for ((x, rate), perturbed) in misses.iter_mut().zip(&rate).zip(perturbed) {
+                *x -= noise(*rate, *perturbed);
+            }
+        }
+        defect(self.blocks(), self.functions.controls(), [&sizes, &misses], step, self.rule.allowed)
+    }
+
+    /// The state a time `h` after the start.
+    fn state(&self, h: f64) -> Vec<f64> {
+        let [end, _] = self.sum_and_slope(h);
+        self.functions.finish(&mut self.frame.clone(), &end)
     }
 }
 
@@ -226,9 +289,18 @@ impl DynamicTaylor {
         }
         let before = self.pace.begin();
         self.series.expand(&given, input);
-        let [step] = self.series.step(&[before], &[wanted.length]);
-        let next = self.series.state(step);
-        self.pace.took(step, is_finite(&next), wanted.end)?;
+        let [[mut step], [natural]] = self.series.step(&[before], &[wanted.length]);
+        let [mut end, slope] = self.series.sum_and_slope(step);
+        let missed = self.series.defect_at(&end, &slope, None, step);
+        let (look, mut share) = (Look::at(wanted.length, [step, natural], missed), f64::INFINITY);
+        if look != Look::No {
+            self.series.perturb(given);
+            let Checked { steps, shares } = self.series.shorten(&[step], &[look], &[time]);
+            ([step], [share]) = (steps, shares);
+            [end, _] = self.series.sum_and_slope(step);
+        }
+        let next = self.series.functions.finish(&mut self.series.frame, &end);
+        self.pace.took((step, share), is_finite(&next), wanted.end)?;
         crate::flat::copy(state, &next);
         Ok(step)
     }
