@@ -3,7 +3,7 @@
 
 use super::constants::{FAR, FEW, ITERATIONS, QUICK, STRONG, TOLERANCE};
 use super::memory::{Convergence, Memory, is_left, rate, tolerance};
-use super::newton::is_near;
+use super::newton::is_found_from_start;
 use super::{Solution, SolutionOf, count, go_on};
 use crate::kernel::{AtState, Kernel};
 use crate::scalar::blocks::{change, is_within};
@@ -78,7 +78,7 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
         }
         if let Some(start) = &start {
             // it may be another solution
-            let is_far = is_last & !is_near::<T, _>(blocks, start, &unknown);
+            let is_far = !is_found_from_start(equation, start, &unknown, is_last);
             (is_last, again) = (is_last & !is_far, again & !is_far);
         }
         solved = solved | is_last;

@@ -65,7 +65,7 @@ impl<T: Batch, K: Kernel<T>> Work for Newton<'_, T, K> {
         };
         let doubtful = elsewhere & solved & !first_solved;
         if doubtful.any() {
-            solved = solved & !(doubtful & !is_found_from_start(equation, &point));
+            solved = solved & is_found_from_start(equation, &equation.start(), &point, doubtful);
         }
         let unknown = before.map_or(point, |before| select(first_solved, &before.unknown, &point));
         let quick = before.map_or(T::Mask::splat(false), |before| before.quick);
@@ -102,26 +102,39 @@ fn roundoff<T: Batch, K: Kernel<T>>(
     all
 }
 
-/// Whether a solution is so near to the equation's first approximation that Newton's method leads to it from there.
+/// Whether Newton's method leads to a solution from the equation's first approximation, too, in the lanes in which it is asked: there it is near,
+/// or the first correction leads nearer to it. Where steps are so large that the equation has several solutions, which of them a step takes must not
+/// depend on what is remembered.
 #[inline(always)]
-pub(super) fn is_near<T: Batch, U: Components<T>>(blocks: &[usize], start: &U, solution: &U) -> T::Mask {
-    change::<T, _>(blocks, start, solution).le(T::of(NEAR))
-}
-
-/// Whether Newton's method leads to this solution from the equation's first approximation, too. Where steps are so large that the equation has
-/// several solutions, which of them a step takes must not depend on what is remembered.
-#[inline(always)]
-fn is_found_from_start<T: Batch, K: Kernel<T>>(
+pub(super) fn is_found_from_start<T: Batch, K: Kernel<T>>(
     equation: &AtState<'_, T, K>,
+    start: &K::Unknown,
     solution: &K::Unknown,
+    asked: T::Mask,
 ) -> T::Mask {
-    let (start, blocks) = (equation.start(), equation.kernel.blocks());
-    let is_near = is_near::<T, _>(blocks, &start, solution);
+    let away = change::<T, _>(equation.kernel.blocks(), start, solution);
+    let is_near = away.le(T::of(NEAR)) | !asked;
     if is_near.all() {
         return is_near;
     }
-    let correction = equation.corrected(&start, None).iterate;
-    let away = change::<T, _>(blocks, &start, solution);
-    let left = change::<T, _>(blocks, &less(&start, &correction), solution);
-    is_near | left.le(T::of(TOWARDS) * away)
+    is_near | T::dispatch(Corrected { equation, start, solution }).le(T::of(TOWARDS) * away)
+}
+
+/// How far a solution is from where a correction leads from the equation's first approximation: out of line, since most are near.
+struct Corrected<'a, T: Batch, K: Kernel<T>> {
+    equation: &'a AtState<'a, T, K>,
+    start: &'a K::Unknown,
+    solution: &'a K::Unknown,
+}
+
+impl<T: Batch, K: Kernel<T>> Work for Corrected<'_, T, K> {
+    type CallSite = K;
+    type Result = T;
+
+    #[inline(always)]
+    fn done(self) -> T {
+        let Self { equation, start, solution } = self;
+        let correction = equation.corrected(start, None).iterate;
+        change::<T, _>(equation.kernel.blocks(), &less(start, &correction), solution)
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::constants::{FAR, FEW};
 use super::memory::{Convergence, Memory, is_left};
-use super::newton::{Newton, is_near};
+use super::newton::{Newton, is_found_from_start};
 use super::predictor::{Guess, Predictor};
 use super::rescue::{Rescue, Rescued};
 use super::{Solution, SolutionOf, fixed_point, go_on};
@@ -252,38 +252,42 @@ fn fast_path<P: Processor, T: Batch, K: Kernel<T>>(
     if let Some(start) = &start {
         point = plus(start, T::of(1.0), &point);
     }
-    let mut evaluation = kernel.evaluate(state, &step, &point);
     let (mut unknown, mut kept, mut then, mut more) = (point, point, point, 0);
-    if const { !OneStep::<T, K>::IS_EXPLICIT } {
-        let mut last = T::of(FAR);
-        loop {
-            unknown = apart::<T, _>(&kernel.fixed_point_update(state, &step, &point, &evaluation));
-            if !kernel.is_newton() {
-                if is_within::<T, _>(kernel.blocks(), &point, &unknown, memory.tolerance).all() {
-                    break;
-                }
-                return (*state, Err(Some(unknown)));
-            }
-            let now = change::<T, _>(kernel.blocks(), &point, &unknown);
-            // as far as the rate is known, and as far as it shows
-            let is_last = now.le(memory.tolerance) & is_left(Convergence::of(kernel), now, last);
-            if is_last.all() {
-                break;
-            }
-            if more == FEW {
-                // one step or many: from where it began, for both
-                return (*state, Err(None));
-            }
-            // in lanes that have ended nothing changes
-            point = go_on::<T, _>(!is_last, &unknown, &point);
-            (last, more) = (T::select(is_last, last, now), more + 1);
-            evaluation = kernel.evaluate(state, &step, &point);
+    let mut last = T::of(FAR);
+    let evaluation = loop {
+        let evaluation = kernel.evaluate(state, &step, &point);
+        if const { OneStep::<T, K>::IS_EXPLICIT } {
+            break evaluation;
         }
+        unknown = apart::<T, _>(&kernel.fixed_point_update(state, &step, &point, &evaluation));
+        if !kernel.is_newton() {
+            if is_within::<T, _>(kernel.blocks(), &point, &unknown, memory.tolerance).all() {
+                break evaluation;
+            }
+            return (*state, Err(Some(unknown)));
+        }
+        let now = change::<T, _>(kernel.blocks(), &point, &unknown);
+        // as far as the rate is known, and as far as it shows
+        let is_last = now.le(memory.tolerance) & is_left(Convergence::of(kernel), now, last);
+        if is_last.all() {
+            break evaluation;
+        }
+        if more == FEW {
+            // one step or many: from where it began, for both
+            return (*state, Err(None));
+        }
+        // in lanes that have ended nothing changes
+        point = go_on::<T, _>(!is_last, &unknown, &point);
+        (last, more) = (T::select(is_last, last, now), more + 1);
+    };
+    if const { !OneStep::<T, K>::IS_EXPLICIT } {
         if let Some(start) = &start
             && Convergence::of(kernel) == Convergence::Quadratic
-            && !is_near::<T, _>(kernel.blocks(), start, &unknown).all()
         {
-            return (*state, Err(None));
+            let equation = &AtState { kernel, state, step: &step };
+            if !is_found_from_start(equation, start, &unknown, T::Mask::splat(true)).all() {
+                return (*state, Err(None));
+            }
         }
         // before what follows from this solution, for the next step waits for it
         kept = start.map_or(unknown, |start| apart::<T, _>(&less(&unknown, &start)));

@@ -276,6 +276,24 @@ U_FN void K_guess(const K_equation *q, const K_memory *m, REAL *guess)
 //end
 }
 
+/* Whether Newton's method leads to this solution from the equation's first approximation, too. Where steps are so large that the equation has
+ * several solutions, which of them a step takes must not depend on what is remembered. */
+U_FN int K_is_found_from_start(const K_equation *q, const REAL *solution)
+{
+    REAL start[SIZE], correction[SIZE], away;
+    K_evaluation e;
+    int i;
+    K_start(q, start);
+    away = K_change(start, solution);
+    if (away <= U_NEAR)
+        return 1;
+    K_evaluate(q, start, &e);
+    K_correction(q, start, &e, correction);
+    for (i = 0; i < SIZE; i++)
+        start[i] = start[i] - correction[i];
+    return K_change(start, solution) <= U_TOWARDS * away;
+}
+
 //if update
 /* ---- Fixed-point iterations, as long as they contract strongly. ---- */
 
@@ -342,10 +360,6 @@ U_FN void K_iterate(const K_equation *q, const K_memory *m, const REAL *guess, c
     const int is_as_fast = m->count >= FAST_FROM && m->due > 0;
     int measures = !is_as_fast;
 //end
-//if quadratic
-    REAL start[SIZE];
-    K_start(q, start);
-//end
     K_copy(s->unknown, guess);
     s->solved = 0;
     s->iterations = 0;
@@ -396,7 +410,7 @@ U_FN void K_iterate(const K_equation *q, const K_memory *m, const REAL *guess, c
             is_last = again && (now <= U_TOLERANCE_0 * U_EPSILON || (now <= most && sharp_now <= U_QUICK * sharp_last));
         }
 //if quadratic
-        if (is_last && !(K_change(start, s->unknown) <= U_NEAR)) {
+        if (is_last && !K_is_found_from_start(q, s->unknown)) {
             /* it may be another solution */
             is_last = 0;
             again = 0;
@@ -427,24 +441,6 @@ U_FN void K_iterate(const K_equation *q, const K_memory *m, const REAL *guess, c
 
 //end
 /* ---- Newton's method. ---- */
-
-/* Whether Newton's method leads to this solution from the equation's first approximation, too. Where steps are so large that the equation has
- * several solutions, which of them a step takes must not depend on what is remembered. */
-U_FN int K_is_found_from_start(const K_equation *q, const REAL *solution)
-{
-    REAL start[SIZE], correction[SIZE], away;
-    K_evaluation e;
-    int i;
-    K_start(q, start);
-    away = K_change(start, solution);
-    if (away <= U_NEAR)
-        return 1;
-    K_evaluate(q, start, &e);
-    K_correction(q, start, &e, correction);
-    for (i = 0; i < SIZE; i++)
-        start[i] = start[i] - correction[i];
-    return K_change(start, solution) <= U_TOWARDS * away;
-}
 
 /* From a guess on, after iterations that count; it is one from `elsewhere` if the equation's own first approximation may lead to another solution. */
 U_FN void K_newton(const K_equation *q, const REAL *from, int elsewhere, REAL rate, K_solution *s)
@@ -808,7 +804,7 @@ U_HOT int K_fast(const K_constants *k, K_memory *m, K_path *path, const S_state 
         more++;
     }
 //if quadratic
-    if (!(K_change(start, unknown) <= U_NEAR))
+    if (!K_is_found_from_start(&q, unknown))
         return 2;
 //end
     for (i = 0; i < SIZE; i++)
