@@ -63,10 +63,11 @@ impl Law<'_> {
 }
 
 impl Acting {
-    /// The control on a grid at a time.
-    fn on_grid(times: &[f64], values: &[f64], controls: usize, time: f64) -> Vec<f64> {
+    /// The control on a grid in a step that starts at a time.
+    fn on_grid(times: &[f64], values: &[f64], controls: usize, time: f64, is_forward: bool) -> Vec<f64> {
         // steps end at times that are rounded
-        let within = time + 1e-12 * time.abs();
+        let rounding = 1e-12 * time.abs();
+        let within = if is_forward { time + rounding } else { time - rounding };
         let place = times.partition_point(|known| *known <= within).saturating_sub(1);
         values[place * controls..(place + 1) * controls].to_vec()
     }
@@ -194,8 +195,9 @@ fn made(
     match acting {
         Acting::Held(control) => watched(run.with_control(control.clone()), plan, made, false),
         Acting::Grid(times, values) => {
-            let law = |_: &Vec<f64>, time: f64| Acting::on_grid(times, values, controls, time);
-            watched(run.controlled_by(law), plan, made, false)
+            let is_forward = plan.span.0 <= plan.span.1;
+            let law = |_: &Vec<f64>, time: f64| Acting::on_grid(times, values, controls, time, is_forward);
+            watched(run.with_breakpoints(times).controlled_by(law), plan, made, false)
         }
         Acting::Driven(function) => {
             watched(run.driven_by(|time| asked(watch, function, time, None, controls)), plan, made, true)

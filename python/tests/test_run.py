@@ -302,6 +302,15 @@ def test_series_are_held_against_the_motion():
     assert abs(sol.end.momentum[2] + np.sqrt(9.81 / 0.2) * np.tanh(2 * np.sqrt(9.81 * 0.2))) < 1e-9
 
 
+def test_steps_to_a_tolerance_end_where_a_table_of_controls_changes():
+    cart = co.System(group="R1", inertia="m: float", control="u: R1", force="u", taylor=True)(m=1)
+    table = ([0, 1.0, 2.0], [[0.0], [1.0], [0.0]])
+    sol = cart.run({}, 5, controls=table, tolerance=1e-12, t_eval=[1.5, 5])
+    assert np.allclose(sol.y.flat, [[0.125, 0.5], [3.5, 1]], rtol=0, atol=1e-13)
+    back = cart.run(sol.end, (5, 0), controls=table, tolerance=1e-12)
+    assert np.abs(back.end.flat).max() < 1e-13
+
+
 def test_a_bound_of_the_steps():
     push = co.System(
         group="R1", inertia="m: float", force="vector![if t < 4.0 { 0.0 } else if t < 4.001 { 1.0 } else { 0.0 }]",

@@ -156,11 +156,11 @@ pub enum StepError {
         /// The step that the series would allow.
         step: f64,
     },
-    /// Taylor steps get no farther than their tolerance allows at a jump: what moves the system jumps to and fro where the motion is held by it, as dry
-    /// friction does at rest.
+    /// Taylor steps get no farther than their tolerance allows: what moves the system jumps to and fro where the motion is held by it, as dry friction
+    /// does at rest; or all that moves it is what rounding leaves of terms that cancel.
     #[error(
-        "what moves the system jumps back and forth over steps as short as {step:e}, as dry friction does at rest: make it smooth, as `tanh` is, or \
-         take steps of one length, whose error is not looked at"
+        "what moves the system jumps back and forth over steps as short as {step:e}, as dry friction does at rest, or what rounding leaves of terms \
+         that cancel: make it smooth, as `tanh` is, start with what is more than rounding, or take steps of one length, whose error is not looked at"
     )]
     Jumps {
         /// The last step.

@@ -232,6 +232,8 @@ pub struct Run<'a, T: Stepping + ?Sized, O = (), C = Constant<ControlOf<T>>, W =
     state: &'a mut StateOf<T>,
     /// None to go on at the stepper's own.
     start: Option<f64>,
+    /// Times at which steps end, too, in order of time.
+    breakpoints: &'a [f64],
     observer: O,
     law: C,
     /// What is done within the steps.
@@ -243,7 +245,7 @@ impl<'a, T: Stepping + ?Sized> Run<'a, T> {
     /// counted on, and the ticks of several runs are those of one that was not interrupted. A new stepper is at time 0.
     pub fn new(stepper: &'a mut T, state: &'a mut StateOf<T>) -> Self {
         let law = Constant(stepper.system().no_control());
-        Self { stepper, state, start: None, observer: (), law, within: () }
+        Self { stepper, state, start: None, breakpoints: &[], observer: (), law, within: () }
     }
 }
 
@@ -254,6 +256,13 @@ where
     C: ControlLaw<S>,
     W: Within<S>,
 {
+    /// Ends steps at these times too, which are in order: where what drives the system jumps. Of steps that are as long as a tolerance allows,
+    /// for these would not see it; steps of one length stay as they are.
+    pub fn with_breakpoints(mut self, times: &'a [f64]) -> Self {
+        self.breakpoints = times;
+        self
+    }
+
     /// Starts at this time instead of the stepper's, with index 0.
     pub fn starting_at(mut self, time: f64) -> Self {
         self.start = Some(time);
@@ -264,8 +273,8 @@ where
     ///
     /// Steps that no observer needs are taken [together](crate::Stepper::steps_with).
     pub fn with_control(self, control: S::Control) -> Run<'a, T, O, Constant<S::Control>, W> {
-        let Self { stepper, state, start, observer, within, .. } = self;
-        Run { stepper, state, start, observer, law: Constant(control), within }
+        let Self { stepper, state, start, breakpoints, observer, within, .. } = self;
+        Run { stepper, state, start, breakpoints, observer, law: Constant(control), within }
     }
 
     /// Asks `law` before each step, with the state and the time from which it starts, for the control to be held over it.
@@ -309,9 +318,9 @@ where
     where
         F: FnMut(&S::State, f64) -> S::Control,
     {
-        let Self { stepper, state, start, observer, within, .. } = self;
+        let Self { stepper, state, start, breakpoints, observer, within, .. } = self;
         let law = Feedback { law, interval: interval.max(1), held: None };
-        Run { stepper, state, start, observer, law, within }
+        Run { stepper, state, start, breakpoints, observer, law, within }
     }
 
     /// Drives the run by `input`, a function of time: it is asked in the middle of each step, or of each of the steps that a composition is made of,
@@ -341,14 +350,14 @@ where
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn driven_by<F: FnMut(f64) -> S::Control>(self, input: F) -> Run<'a, T, O, Driven<F>, W> {
-        let Self { stepper, state, start, observer, within, .. } = self;
-        Run { stepper, state, start, observer, law: Driven(input), within }
+        let Self { stepper, state, start, breakpoints, observer, within, .. } = self;
+        Run { stepper, state, start, breakpoints, observer, law: Driven(input), within }
     }
 
     /// Shows every tick to `observer`; pass it by `&mut` to ask it for its findings afterwards.
     pub fn observe<P: Observer<S>>(self, observer: P) -> Run<'a, T, (O, P), C, W> {
-        let Self { stepper, state, start, observer: earlier, law, within } = self;
-        Run { stepper, state, start, observer: (earlier, observer), law, within }
+        let Self { stepper, state, start, breakpoints, observer: earlier, law, within } = self;
+        Run { stepper, state, start, breakpoints, observer: (earlier, observer), law, within }
     }
 
     /// Shows ticks 0, `interval`, 2 `interval`, … to `observer`; an interval of 0 counts as 1.
@@ -529,8 +538,8 @@ where
     }
 
     fn doing<X>(self, more: X) -> Doing<'a, T, O, C, W, X> {
-        let Self { stepper, state, start, observer, law, within } = self;
-        Run { stepper, state, start, observer, law, within: (within, more) }
+        let Self { stepper, state, start, breakpoints, observer, law, within } = self;
+        Run { stepper, state, start, breakpoints, observer, law, within: (within, more) }
     }
 
     /// Takes `count` steps, fewer if an observer or an event ends the run.
@@ -594,10 +603,31 @@ where
                 (self.stepper.steps_taken() + 1, self.stepper.time(), StepError::OutOfReach { time });
             return Err(RunError::new(step, now, report, cause));
         }
-        self.stepper.set_end(time);
-        let taken = self.walk(u64::MAX, None, &mut report);
+        let taken = self.broken_to(time, &mut report);
         self.stepper.set_end(f64::INFINITY);
-        taken.map(|_| report)
+        taken.map(|()| report)
+    }
+
+    /// Takes steps to the breakpoints on the way, one after the other, and to the time.
+    fn broken_to(&mut self, time: f64, report: &mut RunReport) -> Result<(), RunError> {
+        let start = self.stepper.time();
+        let is_between =
+            |at: f64| if start < time { start < at && at < time } else { time < at && at < start };
+        let (mut last, breakpoints) = (None, self.breakpoints);
+        for k in 0..=breakpoints.len() {
+            // backwards from the last one
+            let place = if start < time { Some(k) } else { breakpoints.len().checked_sub(k + 1) };
+            let breakpoint = place.and_then(|place| breakpoints.get(place).copied());
+            match breakpoint {
+                Some(at) if !is_between(at) => continue,
+                at => self.stepper.set_end(at.unwrap_or(time)),
+            }
+            last = Some(self.walk(u64::MAX, last, report)?);
+            if report.stopped {
+                break;
+            }
+        }
+        Ok(())
     }
 
     /// Takes whole steps until `time` is reached or passed, fewer if an observer ends the run; none if it is behind.

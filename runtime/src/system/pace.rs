@@ -27,6 +27,8 @@ pub struct Pace {
     from: f64,
     /// How many of the last steps were cut down to the least ones.
     cut: u32,
+    /// How many of the last steps were made shorter, and when the first of them started.
+    shorter: (u32, f64),
 }
 
 /// The step that is wanted next.
@@ -46,6 +48,11 @@ impl From<Length> for Wanted {
 /// So many least steps in a row lead across any jump; more are taken where what moves jumps back.
 const MOST_CUT: u32 = 16;
 
+/// So many shorter steps in a row are to lead a share of the way that is left.
+const SHORTER: u32 = 4096;
+/// The least share: some million steps, then, would be left.
+const SHARE: f64 = 1.0 / 256.0;
+
 /// A step that is shorter than this share of the time leads nowhere.
 pub(crate) const SHORTEST: f64 = 4.0 * f64::EPSILON;
 
@@ -60,6 +67,7 @@ impl Default for Pace {
             time: [0.0; 2],
             from: f64::NAN,
             cut: 0,
+            shorter: (0, 0.0),
         }
     }
 }
@@ -140,7 +148,8 @@ impl Pace {
         end: Option<(f64, f64)>,
     ) -> Result<(), StepError> {
         let [high, low] = self.time;
-        if step == 0.0 || step.abs() < SHORTEST * high.abs() {
+        let is_last = end.is_some_and(|(way, _)| step == way);
+        if step == 0.0 || (step.abs() < SHORTEST * high.abs() && !is_last) {
             self.last = None;
             return Err(StepError::NoProgress { step });
         }
@@ -154,6 +163,10 @@ impl Pace {
             return Err(StepError::Jumps { step });
         }
         self.cut = cut;
+        if !self.gets_on(share < f64::INFINITY, end.map(|(way, _)| way)) {
+            self.last = None;
+            return Err(StepError::Jumps { step });
+        }
         // both numbers of the time, and the step
         let sum = high + step;
         let part = sum - high;
@@ -165,6 +178,19 @@ impl Pace {
         (self.from, self.last) = (high, Some(step));
         self.taken += 1;
         Ok(())
+    }
+
+    /// Counts one more step. Whether many shorter ones in a row have led on: they may not where what rounding leaves of terms that cancel is
+    /// all that moves a system, which jumps.
+    fn gets_on(&mut self, is_shorter: bool, way: Option<f64>) -> bool {
+        let now = self.time[0];
+        let (count, since) = self.shorter;
+        self.shorter = match is_shorter {
+            false => (0, now),
+            true if count == 0 || count == SHORTER => (1, now),
+            true => (count + 1, since),
+        };
+        count < SHORTER || way.is_none_or(|way| (now - since).abs() > SHARE * way.abs())
     }
 
     /// How far within the last step this share of it is.

@@ -680,10 +680,11 @@ pub(crate) trait Terms {
         }
         let mut shorter = low;
         for (lane, step) in shorter.as_mut().iter_mut().enumerate() {
+            let whole = steps.as_ref()[lane];
             if step.abs() < least(lane) {
-                *step = high.as_ref()[lane];
+                *step = if least(lane) < whole.abs() { least(lane).copysign(whole) } else { whole };
             }
-            if *step != steps.as_ref()[lane] {
+            if *step != whole {
                 shares.as_mut()[lane] = step.abs() / least(lane);
             }
         }

@@ -92,6 +92,37 @@ struct Clock {
     mass: f64,
 }
 
+/// A spring that dry friction holds.
+#[lie_poisson_system(
+    group = R1,
+    potential = 0.5 * stiffness * position.x.powi(2),
+    force = vector![-friction * velocity.x.signum()],
+    taylor
+)]
+struct Stuck {
+    #[inertia]
+    mass: f64,
+    stiffness: f64,
+    friction: f64,
+}
+
+/// A force that sets in smoothly, and is first what rounding leaves.
+#[lie_poisson_system(group = R1, force = vector![((t - middle) * sharpness).tanh() + 1.0], taylor)]
+#[derive(Clone)]
+struct Ramp {
+    #[inertia]
+    mass: f64,
+    middle: f64,
+    sharpness: f64,
+}
+
+/// A mass that is pushed.
+#[lie_poisson_system(group = R1, control(force: R1), force = force, taylor)]
+struct Pushed {
+    #[inertia]
+    mass: f64,
+}
+
 fn reached<S: PowerSeries + System<Scalar = f64>>(
     system: &S,
     start: &S::State,
@@ -229,4 +260,73 @@ fn members_side_by_side_and_erased_systems_take_the_same_shorter_steps() {
         coadjoint::Run::new(&mut trajectory, &mut erased).to(2.0).expect("a motion");
         assert_eq!(erased[..], alone.to_components()[..]);
     }
+}
+
+#[test]
+fn jumps_at_late_times_and_at_the_end_are_crossed() {
+    for (start, stop, from, to) in [
+        (1e5, 1e9, 1e5 - 5.0, 1e5 + 3.0),
+        (1e9, 2e9, 1e9 - 5.0, 1e9 + 3.0),
+        (3.0, 9.0, 0.0, 3.0),
+        (0.5, 9.0, 0.0, 0.5),
+    ] {
+        for momentum in [0.0, 1.0] {
+            let mut steps = Burn { mass: 1.0, start, stop }.adaptive(1e-12).expect("a tolerance");
+            steps.set_time(from);
+            let mut state = line::<Burn>(0.0, momentum);
+            steps.to(&mut state, to).expect("a motion");
+            close(state.momentum.x, momentum + (to - start), 1e-6_f64.max(4.0 * f64::EPSILON * to));
+        }
+    }
+}
+
+#[test]
+fn friction_that_holds_in_the_midst_of_a_swing_is_an_error() {
+    for position in [0.1, 0.7, 2.5, 3.1] {
+        let stuck = Stuck { mass: 1.0, stiffness: 1.0, friction: 0.3 };
+        let mut state = line::<Stuck>(position, 0.0);
+        let error = stuck.adaptive(1e-12).expect("a tolerance").to(&mut state, 20.0).expect_err("it is held");
+        assert!(matches!(error.cause, StepError::Jumps { .. }), "{error}");
+        assert!(state.position.x.abs() <= 0.3, "{state:?}");
+    }
+}
+
+#[test]
+fn what_rounding_alone_moves_comes_to_an_end() {
+    let ramp = Ramp { mass: 1.0, middle: 5.0, sharpness: 5.0 };
+    for (momentum, tolerance) in [(1.0, 1e-12), (0.0, 1e-4)] {
+        let (mut state, mut steps) =
+            (line::<Ramp>(0.0, momentum), ramp.adaptive(tolerance).expect("a tolerance"));
+        steps.to(&mut state, 10.0).expect("a motion");
+        close(state.momentum.x, momentum + 10.0, 10.0 * tolerance);
+    }
+    let mut state = line::<Ramp>(0.0, 0.0);
+    let ended = Ramp { sharpness: 3.0, ..ramp }.adaptive(1e-12).expect("a tolerance").to(&mut state, 10.0);
+    let said = ended.expect_err("millions of steps");
+    assert!(matches!(said.cause, StepError::Jumps { .. }), "{said}");
+}
+
+#[test]
+fn runs_end_steps_at_breakpoints() {
+    let pushed = Pushed { mass: 1.0 };
+    let (times, values) = ([0.0, 1.0, 2.0], [0.0, 1.0, 0.0]);
+    let law = |_: &PushedState, time: f64| {
+        let place = times.partition_point(|known| *known <= time).saturating_sub(1);
+        PushedControl { force: vector![values[place]] }
+    };
+    let mut state = PushedState { position: vector![0.0], momentum: vector![0.0] };
+    let mut steps = pushed.adaptive(1e-12).expect("a tolerance");
+    let report =
+        coadjoint::Run::new(&mut steps, &mut state).with_breakpoints(&times).controlled_by(law).to(5.0);
+    assert_eq!(report.expect("a motion").steps, 3);
+    close(state.position.x, 3.5, 1e-14);
+    // and back
+    let back = |_: &PushedState, time: f64| {
+        let place = times.partition_point(|known| *known < time).saturating_sub(1);
+        PushedControl { force: vector![values[place]] }
+    };
+    let run = coadjoint::Run::new(&mut steps, &mut state).with_breakpoints(&times).controlled_by(back);
+    run.to(0.0).expect("a motion");
+    close(state.position.x, 0.0, 1e-14);
+    close(state.momentum.x, 0.0, 1e-14);
 }
