@@ -126,6 +126,8 @@ def run(
     span, start = span_of(t_span), system.state(y0).flat
     if (step is None) == (tolerance is None):
         raise TypeError("a run needs either a `step` or a `tolerance`")
+    if tolerance is not None and not (scheme is None and order is None):
+        raise TypeError("a `tolerance` takes Taylor steps, of the order that it asks for: neither `scheme` nor `order` goes with it")
     if max_step is not None and (tolerance is None or not max_step > 0):
         raise ValueError(f"`max_step` is a positive bound of the steps that a `tolerance` chooses, not {max_step!r}")
     name = scheme_name(system.system, scheme, order)

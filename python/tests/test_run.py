@@ -322,6 +322,12 @@ def test_a_bound_of_the_steps():
         push.run({}, 10, step=0.1, max_step=0.01)
 
 
+def test_a_tolerance_takes_no_scheme(top, y0):
+    for words in ({"scheme": "cayley"}, {"order": 4}):
+        with pytest.raises(TypeError, match="Taylor steps"):
+            top.run(y0, 1, tolerance=1e-9, **words)
+
+
 def test_a_tolerance_needs_power_series(top, y0):
     with pytest.raises(ValueError, match="`taylor`"):
         top.run(y0, 1, tolerance=1e-9)
