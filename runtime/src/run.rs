@@ -610,18 +610,18 @@ where
 
     /// Takes steps to the breakpoints on the way, one after the other, and to the time.
     fn broken_to(&mut self, time: f64, report: &mut RunReport) -> Result<(), RunError> {
-        let start = self.stepper.time();
-        let is_between =
-            |at: f64| if start < time { start < at && at < time } else { time < at && at < start };
+        let is_forward = self.stepper.time() < time;
         let (mut last, breakpoints) = (None, self.breakpoints);
         for k in 0..=breakpoints.len() {
             // backwards from the last one
-            let place = if start < time { Some(k) } else { breakpoints.len().checked_sub(k + 1) };
-            let breakpoint = place.and_then(|place| breakpoints.get(place).copied());
-            match breakpoint {
-                Some(at) if !is_between(at) => continue,
-                at => self.stepper.set_end(at.unwrap_or(time)),
+            let place = if is_forward { Some(k) } else { breakpoints.len().checked_sub(k + 1) };
+            let end = place.and_then(|place| breakpoints.get(place).copied()).unwrap_or(time);
+            let [from, to] =
+                if is_forward { [self.stepper.time(), time] } else { [time, self.stepper.time()] };
+            if end != time && !(from < end && end < to) {
+                continue;
             }
+            self.stepper.set_end(end);
             last = Some(self.walk(u64::MAX, last, report)?);
             if report.stopped {
                 break;

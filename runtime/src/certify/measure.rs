@@ -301,11 +301,19 @@ impl Sample<'_> {
         Ok(None)
     }
 
-    /// The derivative by the step's size at 0.
+    /// The derivative by the step's size at 0: by differences of long steps or of short ones, which have more digits of it where a force has a kink.
     fn consistency(&self) -> Figure {
-        let change = derivative(0.1 * self.step.abs(), &mut |step| {
-            self.one(step, self.time, self.state).map(DVector::from)
-        })?;
+        let [long, short] = [0.1, 1e-3].map(|share| self.consistency_by(share * self.step.abs()));
+        Ok(match (long?, short?) {
+            (Some(long), Some(short)) => Some(long.min(short)),
+            (long, short) => long.or(short),
+        })
+    }
+
+    /// The same by differences of steps so long.
+    fn consistency_by(&self, length: f64) -> Figure {
+        let change =
+            derivative(length, &mut |step| self.one(step, self.time, self.state).map(DVector::from))?;
         let change = self.frame.local(self.state, &DMatrix::from_columns(&[change]))?;
         let motion = self.frame.motion(self.state, self.time, self.control);
         let scale = DVector::from_column_slice(&self.frame.scale);
