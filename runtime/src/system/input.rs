@@ -5,8 +5,9 @@
 //! relative to the largest that the input has been; a step over which it is not as close as the tolerance is made shorter. So a jump is closed in on, and crossed by a step so short that it changes no more than the tolerance
 //! allows.
 
-use super::pace::{Pace, SHORTEST, Wanted};
-use super::series::{Length, MOST_COEFFICIENTS};
+use super::length::{Length, SHORTEST};
+use super::pace::{Pace, Wanted};
+use super::series::MOST_COEFFICIENTS;
 use crate::scalar::Scalar;
 
 /// Coefficients, at most: more need more digits than doubles have.

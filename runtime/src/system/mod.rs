@@ -5,6 +5,7 @@ mod description;
 mod dynamics;
 mod geometry;
 pub(crate) mod input;
+pub(crate) mod length;
 pub(crate) mod pace;
 mod right_lift;
 pub(crate) mod series;

@@ -1,6 +1,6 @@
 //! How Taylor steps follow each other in time.
 
-use super::series::Length;
+use super::length::{Length, SHORTEST};
 use crate::error::{ParameterError, StepError};
 use crate::snapshot::count;
 
@@ -52,9 +52,6 @@ const MOST_CUT: u32 = 16;
 const SHORTER: u32 = 4096;
 /// The least share: some million steps, then, would be left.
 const SHARE: f64 = 1.0 / 256.0;
-
-/// A step that is shorter than this share of the time leads nowhere.
-pub(crate) const SHORTEST: f64 = 4.0 * f64::EPSILON;
 
 impl Default for Pace {
     fn default() -> Self {

@@ -47,10 +47,11 @@ use crate::system::System;
 pub use crate::system::adaptive::Adaptive;
 use crate::system::adaptive::LEAST_ORDER;
 use crate::system::input;
+use crate::system::length::Length;
 use crate::system::pace::{Pace, Wanted};
 use crate::system::series;
 pub use crate::system::series::PowerSeries;
-use crate::system::series::{Advance, Coefficients, Length, MOST_COEFFICIENTS, Start};
+use crate::system::series::{Advance, Coefficients, MOST_COEFFICIENTS, Start};
 #[doc(hidden)]
 pub use crate::system::series::{Leading, Next, SeriesVisitor};
 use crate::system::{Control, Dynamics, State};

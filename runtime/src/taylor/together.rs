@@ -11,8 +11,9 @@ use crate::scalar::simd::processor::{Avx2, Avx512};
 use crate::scalar::{Batch, Components as _, Real, Scalar};
 use crate::stepper::report::{RunError, RunReport};
 use crate::system::State;
+use crate::system::length::{Checked, Length};
 use crate::system::pace::Wanted;
-use crate::system::series::{Advance, Checked, Heap, Length, Series, Start};
+use crate::system::series::{Advance, Heap, Series, Start};
 
 /// Takes each member to a time, as if it were taken alone, to the last bit.
 pub(super) fn some_to<S: PowerSeries>(

@@ -12,10 +12,9 @@ use crate::scalar::Scalar;
 use crate::stepper::{EventSeries, Inputs, StepReport, check_deviation};
 use crate::system::adaptive::{LEAST_ORDER, order};
 use crate::system::input::{Polynomial, fitted};
+use crate::system::length::{Checked, Length, Look, Rule, Terms, defect, noise, perturb, size};
 use crate::system::pace::{Pace, Wanted};
-use crate::system::series::{
-    Checked, Coefficients, Length, Look, MOST_COEFFICIENTS, Rule, Terms, defect, noise, perturb, size,
-};
+use crate::system::series::{Coefficients, MOST_COEFFICIENTS};
 use crate::taylor::EXPLICIT;
 
 /// The recurrences of a motion's power series, on a frame that keeps what depends on the start of a step.
