@@ -73,22 +73,32 @@ impl Scratch {
         text(&output.stdout)
     }
 
+    /// Tells whether a rank has written what a job that was ended goes on with.
+    fn has_shards(&self) -> bool {
+        self.files().iter().any(|path| path.extension().is_some_and(|extension| extension == "shard"))
+    }
+
     /// All that is in the directory of results and below.
     fn results(&self) -> Files {
-        let (root, mut found) = (self.0.join("out"), Vec::new());
-        let mut directories = vec![root.clone()];
+        let root = self.0.join("out");
+        let read = |path: PathBuf| {
+            let name = path.strip_prefix(&root).expect("in it").to_string_lossy().into_owned();
+            (name, fs::read(&path).expect("readable"))
+        };
+        let mut found: Files = self.files().into_iter().map(read).collect();
+        found.sort();
+        found
+    }
+
+    /// Where the files are, some of which a running job may have renamed since.
+    fn files(&self) -> Vec<PathBuf> {
+        let (mut found, mut directories) = (Vec::new(), vec![self.0.join("out")]);
         while let Some(directory) = directories.pop() {
-            for entry in fs::read_dir(&directory).into_iter().flatten() {
-                let path = entry.expect("readable").path();
-                if path.is_dir() {
-                    directories.push(path);
-                } else {
-                    let name = path.strip_prefix(&root).expect("in it").to_string_lossy().into_owned();
-                    found.push((name, fs::read(&path).expect("readable")));
-                }
+            for entry in fs::read_dir(&directory).into_iter().flatten().flatten() {
+                let path = entry.path();
+                if path.is_dir() { &mut directories } else { &mut found }.push(path);
             }
         }
-        found.sort();
         found
     }
 }
@@ -227,7 +237,11 @@ fn a_rank_that_is_killed_ends_the_job_and_it_goes_on() {
         while ranks_of(&job).len() < ranks && job.try_wait().expect("waits").is_none() {
             std::thread::sleep(Duration::from_millis(1));
         }
-        std::thread::sleep(Duration::from_millis(random.below(2_500)));
+        // one kill in three comes when there is work to go on with, however busy the machine is
+        while kills % 3 == 0 && !scratch.has_shards() && job.try_wait().expect("waits").is_none() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        std::thread::sleep(Duration::from_millis(random.below(if kills % 3 == 0 { 50 } else { 2_500 })));
         let processes = ranks_of(&job);
         let Some(process) = processes.get(random.below(ranks as u64) as usize) else {
             // it had ended
@@ -257,7 +271,7 @@ fn a_rank_that_is_killed_ends_the_job_and_it_goes_on() {
                 "{name} is half-written"
             );
         }
-        gone_on += usize::from(found.iter().any(|(name, _)| name.ends_with(".shard")));
+        gone_on += usize::from(scratch.has_shards());
         scratch.prints(1 + random.below(4) as usize, &SOME);
         let mut found = scratch.results();
         // of a file that was about to be put in its place
