@@ -114,6 +114,14 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
     fn is_newton(&self) -> bool {
         Self::IS_NEWTON
     }
+    /// Whether a step is long: a call for it does not count, to compile it once more takes long, and what rounding leaves in the solution of its equation
+    /// is some units.
+    const IS_LONG: bool = false;
+    /// [`IS_LONG`](Self::IS_LONG)
+    #[inline(always)]
+    fn is_long(&self) -> bool {
+        Self::IS_LONG
+    }
     /// The next iterate of the fixed-point iteration: with `left(x) = L x` it is `L⁻¹ right(x)`, or, where `right` is `n/(1 + d)`, `L⁻¹ n − d x`,
     /// which has the same fixed point and waits for no division. Where `left` is not linear with constant coefficients it is Newton's, `x` less the
     /// [correction](Self::correction).

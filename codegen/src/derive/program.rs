@@ -125,6 +125,9 @@ fn conventions(system: &System<'_>) -> Vec<String> {
     conventions
 }
 
+/// The values of a step that is not long, at most.
+const LONG: usize = 400;
+
 /// The step of one scheme, and its derivative as far as it is wanted. The arena is to be its own: what is computed, and
 /// in which order, then depends on the scheme alone.
 pub(crate) fn step<'a>(
@@ -143,7 +146,18 @@ pub(crate) fn step<'a>(
     let Step { blocks, bounded, iteration, .. } = step;
     let has_true_jacobian = matches!(iteration, Iteration::FixedPoint | Iteration::TrueNewton);
     let is_newton = matches!(iteration, Iteration::Newton(_) | Iteration::TrueNewton);
-    StepProgram { scheme, aliases, blocks, bounded, has_true_jacobian, is_newton, module, derivative }
+    let is_long = module.values.places() > LONG;
+    StepProgram {
+        scheme,
+        aliases,
+        blocks,
+        bounded,
+        has_true_jacobian,
+        is_newton,
+        is_long,
+        module,
+        derivative,
+    }
 }
 
 /// The power series of a system's motion. None where a function in its description has no closed recurrence.

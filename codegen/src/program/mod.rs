@@ -91,6 +91,8 @@ pub struct StepProgram {
     pub has_true_jacobian: bool,
     /// Whether all iterations are simplified Newton steps with nearly that matrix.
     pub is_newton: bool,
+    /// Whether it has so many values that what rounding leaves in the solution of its equation is some units.
+    pub is_long: bool,
     /// Its functions.
     pub module: Module<StepRole>,
     /// Those of its derivative, if any is asked for.

@@ -37,6 +37,8 @@ pub const CONSTANTS: &[Constant] = &[
     constant("LOW", &[3.0], "of so many where controls jump"),
     constant("WEIGHTS", &[231.0 / 32.0, -20.0, 735.0 / 32.0, -637.0 / 32.0, 715.0 / 32.0],
         "weights of x[j] - x[16-j] with j = 1, 2, 3, 5, 7, which continue sixteen solutions"),
+    constant("CALM", &[1353.0 / 256.0, -10.0, 1785.0 / 256.0, -91.0 / 256.0, -715.0 / 256.0],
+        "those for slow motion, where a step is so long that rounding counts"),
     constant("BINOMIAL", &[8.0, -28.0, 56.0, -70.0],
         "the first half of the weights that continue eight, of simplified Newton steps"),
     constant("FEW", &[6.0], "the most simplified Newton steps on the fast path beside the first"),

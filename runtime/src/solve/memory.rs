@@ -1,7 +1,7 @@
 //! What a step remembers of the ones before it: it saves time, and nothing else.
 
 use super::constants::{FORGETS, HARDLY, INTERVALS, LEFT, NEWTON, SHARP, SMALL, STRONG, TOLERANCE};
-use super::predictor::Predictor;
+use super::predictor::{Continuation, Predictor};
 use crate::kernel::Kernel;
 use crate::scalar::{Batch, Components, Mask, Real};
 
@@ -124,7 +124,7 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
     #[inline(always)]
     pub(super) fn is_as_fast(&self, convergence: Convergence) -> T::Mask {
         match convergence {
-            Convergence::Strong if !self.is_due() => self.predictor.are_all(true),
+            Convergence::Strong if !self.is_due() => self.predictor.are_all(Continuation::Eighth),
             Convergence::Quadratic => T::Mask::splat(!self.is_due() && self.predictor.remembers()),
             _ => T::Mask::splat(false),
         }
@@ -171,7 +171,7 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
             self.due -= 1;
         }
         let start = kernel.is_newton().then(start);
-        self.predictor.learn(kernel.blocks(), start.as_ref(), solution, quick);
+        self.predictor.learn(Continuation::of(kernel), kernel.blocks(), start.as_ref(), solution, quick);
         self.settle();
     }
 
@@ -181,9 +181,14 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
 
     /// Shows all that is remembered, for [`Method::memory`](crate::method::Method::memory).
     ///
-    /// Of the kernel it knows nothing but this: it is compiled once for all that have as many unknowns.
-    pub(super) fn memory(&mut self, convergence: Convergence, visit: &mut dyn FnMut(&mut [T])) {
-        self.predictor.memory(visit, convergence.is_newton());
+    /// Of the kernel it knows nothing but these two: it is compiled once for all that have as many unknowns.
+    pub(super) fn memory(
+        &mut self,
+        convergence: Convergence,
+        by: Continuation,
+        visit: &mut dyn FnMut(&mut [T]),
+    ) {
+        self.predictor.memory(visit, by);
         let mut numbers = [T::of(f64::from(self.due)), T::of(f64::from(self.interval))];
         visit(&mut numbers);
         // the same in all lanes

@@ -19,10 +19,15 @@
 //! degree 10, determines five weights. Of all choices of five differences [this one](PAIRS) magnifies rounding least, 61 fold, hardly more than the
 //! best weights of all seven (59.5); and its weights are exact.
 //!
+//! Where a step is [long](crate::kernel::Kernel::IS_LONG), 61 times what its many operations leave of rounding can be more than one iteration takes
+//! off. Where the motion is slow besides, odd powers up to the seventh are enough, and [other weights](CALM) of the same differences count rounding 19
+//! fold. Which ones lead nearer to a solution is looked at where a step needs more than the fast path.
+//!
 //! Newton's method takes off so much that rounding is no matter, and is there for steps so large that sixteen of them are too many to look back:
 //! its guess is the polynomial through eight, of what solutions are apart from their equations' [first approximations](crate::kernel::Kernel::start).
 
 use super::constants::{LOST, LOW, SMALL, THROUGH};
+use crate::kernel::Kernel;
 use crate::scalar::blocks::{is_within, less, plus, select, weighted, weights};
 use crate::scalar::rows::{Formula, Piece, Row, computed};
 use crate::scalar::simd::lanes::{Portable, Processor};
@@ -39,8 +44,40 @@ const PAIRS: [usize; 5] = [1, 2, 3, 5, 7];
 /// Their weights, exact as numbers of any kind.
 const WEIGHTS: [f64; 5] = [231.0 / 32.0, -20.0, 735.0 / 32.0, -637.0 / 32.0, 715.0 / 32.0];
 
+/// Those for slow motion, exact too. The least that a polynomial of degree 8 can be continued with is 18 fold.
+const CALM: [f64; 5] = [1353.0 / 256.0, -10.0, 1785.0 / 256.0, -91.0 / 256.0, -715.0 / 256.0];
+
 /// The first half of the weights of the polynomial through eight.
 const BINOMIAL: [f64; 4] = [8.0, -28.0, 56.0, -70.0];
+
+/// What the solutions of a kernel are continued by.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Continuation {
+    /// The polynomial through eight, of Newton's method.
+    Eighth,
+    /// One that is odd about the middle of sixteen.
+    Odd,
+    /// The same, with the weights that lead nearer.
+    Chosen,
+}
+
+impl Continuation {
+    /// That of a kernel's solutions.
+    #[inline(always)]
+    pub(super) fn of<T: Scalar, K: Kernel<T>>(kernel: &K) -> Self {
+        match kernel.is_newton() {
+            true => Self::Eighth,
+            false if kernel.is_long() => Self::Chosen,
+            false => Self::Odd,
+        }
+    }
+
+    /// How many solutions it goes through, or near to.
+    #[inline(always)]
+    fn points(self) -> usize {
+        if self == Self::Eighth { THROUGH } else { WINDOW }
+    }
+}
 
 /// Where the solutions before point, and the place that the next one will take: in registers while many steps are taken.
 pub(crate) type Guess<U> = (U, u32);
@@ -56,6 +93,8 @@ pub(super) struct Predictor<T: Batch, U> {
     solution: U,
     /// How many of the solutions are of use, in each lane.
     count: T,
+    /// One where the weights for slow motion lead nearer, else zero.
+    calm: T,
     /// The place of the oldest, which the next one will take.
     oldest: u32,
     /// Whether all are of use in all lanes: kept, for it is asked in each step.
@@ -71,6 +110,7 @@ impl<T: Batch, U: Components<T>> Default for Predictor<T, U> {
             next: nothing,
             solution: nothing,
             count: T::of(0.0),
+            calm: T::of(0.0),
             oldest: 0,
             is_full: false,
         }
@@ -86,8 +126,8 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
 
     /// The lanes in which all are of use.
     #[inline(always)]
-    pub(super) fn are_all(&self, is_newton: bool) -> T::Mask {
-        T::of(if is_newton { THROUGH } else { WINDOW } as f64).le(self.count)
+    pub(super) fn are_all(&self, by: Continuation) -> T::Mask {
+        T::of(by.points() as f64).le(self.count)
     }
 
     /// Whether all are of use, in all lanes.
@@ -99,7 +139,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     /// Forgets all solutions.
     #[inline(always)]
     pub(super) fn forget(&mut self) {
-        (self.count, self.is_full) = (T::of(0.0), false);
+        (self.count, self.calm, self.is_full) = (T::of(0.0), T::of(0.0), false);
     }
 
     /// The next solution, if there is any before it.
@@ -132,16 +172,56 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         self.solution = *solution;
     }
 
+    /// The weights of the differences.
+    #[inline(always)]
+    pub(super) fn weights(&self, by: Continuation) -> [T; 5] {
+        let [calm, usual] = [all_of(CALM), all_of(WEIGHTS)];
+        if by != Continuation::Chosen {
+            return usual;
+        }
+        // no closure, which would not be compiled for the processor that the caller is compiled for
+        let is_calm = T::of(0.0).lt(self.calm);
+        let [a, b, c, d, e] = calm;
+        let [f, g, h, i, j] = usual;
+        [
+            T::select(is_calm, a, f),
+            T::select(is_calm, b, g),
+            T::select(is_calm, c, h),
+            T::select(is_calm, d, i),
+            T::select(is_calm, e, j),
+        ]
+    }
+
     /// What the solutions that there are contribute to the one after the next, where [all are of use](Self::is_full).
     #[inline(always)]
-    pub(super) fn begun<P: Processor>(&self, oldest: u32, is_newton: bool) -> U {
-        computed::<P, _, _, _>(&mut Begun(self, oldest, is_newton), &self.next)
+    pub(super) fn begun<P: Processor>(&self, oldest: u32, by: Continuation, weights: &[T; 5]) -> U {
+        computed::<P, _, _, _>(&mut Begun { predictor: self, oldest, by, weights }, &self.next)
     }
 
     /// The solution after this one, from what was [begun](Self::begun).
     #[inline(always)]
-    pub(super) fn then(begun: &U, solution: &U, is_newton: bool) -> U {
-        plus(begun, T::of(if is_newton { BINOMIAL[0] } else { WEIGHTS[0] }), solution)
+    pub(super) fn then(begun: &U, solution: &U, by: Continuation, weights: &[T; 5]) -> U {
+        plus(begun, if by == Continuation::Eighth { T::of(BINOMIAL[0]) } else { weights[0] }, solution)
+    }
+
+    /// Where all solutions point with these weights.
+    #[inline(always)]
+    fn by_all(&self, by: Continuation, weights: &[T; 5]) -> U {
+        // begun a step ago
+        let begun = self.begun::<Portable>(self.oldest.wrapping_sub(1), by, weights);
+        Self::then(&begun, &self.latest(), by, weights)
+    }
+
+    /// Chooses the weights that would have led nearer to this solution, in some lanes.
+    #[inline(always)]
+    fn choose(&mut self, blocks: &[usize], solution: &U, wanted: T::Mask) {
+        let sizes = &weights::<T, _>(blocks, solution);
+        let by_calm = self.by_all(Continuation::Chosen, &all_of(CALM));
+        let by_usual = self.by_all(Continuation::Chosen, &all_of(WEIGHTS));
+        let calm = weighted::<T, _>(sizes, &by_calm, solution);
+        let usual = weighted::<T, _>(sizes, &by_usual, solution);
+        let is_calm = T::select(calm.lt(usual), T::of(1.0), T::of(0.0));
+        self.calm = T::select(wanted, is_calm, self.calm);
     }
 
     /// Takes the next solution. Returns the place that the one after it will take.
@@ -186,11 +266,17 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     /// where a control has jumped, the others are forgotten. What one lane learns, others beside it make no difference
     /// to: where all were of use and the step was as `quick` as on the fast path, it would have been taken there.
     #[inline(always)]
-    pub(super) fn learn(&mut self, blocks: &[usize], start: Option<&U>, solution: &U, quick: T::Mask) {
-        let is_newton = start.is_some();
+    pub(super) fn learn(
+        &mut self,
+        by: Continuation,
+        blocks: &[usize],
+        start: Option<&U>,
+        solution: &U,
+        quick: T::Mask,
+    ) {
         let from_start = |apart: &U| start.map_or(*apart, |start| plus(start, T::of(1.0), apart));
         let kept = start.map_or(*solution, |start| less(solution, start));
-        if is_newton {
+        if start.is_some() {
             self.note(solution);
         }
         let [one, low, full] = [1.0, LOW as f64, WINDOW as f64].map(T::of);
@@ -202,13 +288,17 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         let small = T::of(SMALL * T::EPSILON);
         let mut is_near = T::Mask::splat(false);
         if self.is_full || const { T::LANES > 1 } {
-            let is_full = self.are_all(is_newton);
+            let is_full = self.are_all(by);
             let is_quick = is_full & quick;
+            if by == Continuation::Chosen {
+                self.choose(blocks, solution, is_full & !quick);
+            }
             is_near = is_quick | (is_full & is_within::<T, _>(blocks, &next, solution, small));
             if is_near.all() {
-                let begun = self.begun::<Portable>(self.oldest, is_newton);
+                let weights = self.weights(by);
+                let begun = self.begun::<Portable>(self.oldest, by, &weights);
                 self.push(&kept);
-                self.next = Self::then(&begun, &kept, is_newton);
+                self.next = Self::then(&begun, &kept, by, &weights);
                 return;
             }
         }
@@ -225,7 +315,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         }
         self.count = T::select(is_near, before, self.count);
         self.push(&kept);
-        self.predict(is_newton);
+        self.predict(by);
     }
 
     /// Takes the first solution after a state that no step has led to: there is nothing to compare it with.
@@ -238,9 +328,9 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
 
     /// Predicts the next solution.
     #[inline(always)]
-    fn predict(&mut self, is_newton: bool) {
+    fn predict(&mut self, by: Continuation) {
         let most = T::of(THROUGH as f64);
-        let is_full = self.are_all(is_newton);
+        let is_full = self.are_all(by);
         self.is_full = is_full.all();
         let mut next = self.next;
         if !self.is_full {
@@ -248,17 +338,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         }
         // in the order in which the fast path adds
         if is_full.any() {
-            let by_all = match is_newton {
-                true => {
-                    let begun = self.begun::<Portable>(self.oldest.wrapping_sub(1), true);
-                    Self::then(&begun, &self.latest(), true)
-                }
-                false => {
-                    let odd = computed::<Portable, _, _, _>(&mut Odd(self), &next);
-                    plus(&odd, T::of(WEIGHTS[0]), &self.latest())
-                }
-            };
-            next = select(is_full, &by_all, &next);
+            next = select(is_full, &self.by_all(by, &self.weights(by)), &next);
         }
         self.next = next;
     }
@@ -283,10 +363,12 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     }
 
     /// Shows all that is remembered, for [`Method::memory`](crate::method::Method::memory).
-    pub(super) fn memory(&mut self, visit: &mut dyn FnMut(&mut [T]), is_newton: bool) {
+    pub(super) fn memory(&mut self, visit: &mut dyn FnMut(&mut [T]), by: Continuation) {
         visit(core::slice::from_mut(&mut self.count));
-        if is_newton {
-            visit(self.solution.as_mut());
+        match by {
+            Continuation::Eighth => visit(self.solution.as_mut()),
+            Continuation::Chosen => visit(core::slice::from_mut(&mut self.calm)),
+            Continuation::Odd => {}
         }
         // the latest first: where the ring begins is of no interest
         let mut j = 1;
@@ -296,38 +378,40 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
             j += 1;
         }
         if self.remembers() {
-            self.predict(is_newton);
+            self.predict(by);
         } else {
             self.is_full = false;
         }
     }
 }
 
-/// `x₁₆ − w₁ x₁₅ + Σ_{j > 1} w_j (x_j − x_{16 − j})`, piece by piece.
-struct Odd<'a, T: Batch, U>(&'a Predictor<T, U>);
-
-impl<T: Batch, U: Components<T>> Formula<T> for Odd<'_, T, U> {
-    const SPARE: usize = 1;
-
-    #[inline(always)]
-    fn at<X: Piece<T>>(&mut self, i: usize) -> X {
-        earlier(self.0, self.0.oldest, 0, i)
-    }
+/// Weights in all lanes.
+#[inline(always)]
+fn all_of<T: Batch>([a, b, c, d, e]: [f64; 5]) -> [T; 5] {
+    [T::of(a), T::of(b), T::of(c), T::of(d), T::of(e)]
 }
 
-/// The same for the solution after the next.
-struct Begun<'a, T: Batch, U>(&'a Predictor<T, U>, u32, bool);
+/// All that the next solution but one is made of but the next one, piece by piece: a step from now the `x_j` are one place newer.
+struct Begun<'a, T: Batch, U> {
+    predictor: &'a Predictor<T, U>,
+    oldest: u32,
+    by: Continuation,
+    weights: &'a [T; 5],
+}
 
 impl<T: Batch, U: Components<T>> Formula<T> for Begun<'_, T, U> {
     const SPARE: usize = 1;
 
     #[inline(always)]
     fn at<X: Piece<T>>(&mut self, i: usize) -> X {
-        if self.2 { eighth(self.0, self.1, i) } else { earlier(self.0, self.1, 1, i) }
+        match self.by {
+            Continuation::Eighth => eighth(self.predictor, self.oldest, i),
+            _ => earlier(self.predictor, self.oldest, self.weights, i),
+        }
     }
 }
 
-/// `Σ_{j > 1} (−1)^{j+1} C(8, j) x_j` a step from now.
+/// `Σ_{j > 1} (−1)^{j+1} C(8, j) x_j`
 #[inline(always)]
 fn eighth<T: Batch, U: Components<T>, X: Piece<T>>(predictor: &Predictor<T, U>, oldest: u32, i: usize) -> X {
     let at = |j: usize| X::of(predictor.row(oldest, j - 1), i);
@@ -336,18 +420,18 @@ fn eighth<T: Batch, U: Components<T>, X: Piece<T>>(predictor: &Predictor<T, U>, 
     inner.and(outer.less(at(THROUGH)))
 }
 
-/// In two chains side by side, for the next step waits for it. `ahead` steps from now the `x_j` are as many places newer.
+/// `x₁₆ − w₁ x₁₅ + Σ_{j > 1} w_j (x_j − x_{16 − j})`, in two chains side by side, for the next step waits for it.
 #[inline(always)]
 fn earlier<T: Batch, U: Components<T>, X: Piece<T>>(
     predictor: &Predictor<T, U>,
     oldest: u32,
-    ahead: usize,
+    weights: &[T; 5],
     i: usize,
 ) -> X {
     // no closures, which are called where there are many
     macro_rules! at {
         ($j:expr) => {
-            X::of(predictor.row(oldest, $j - ahead), i)
+            X::of(predictor.row(oldest, $j - 1), i)
         };
     }
     macro_rules! difference {
@@ -355,9 +439,9 @@ fn earlier<T: Batch, U: Components<T>, X: Piece<T>>(
             at!(PAIRS[$pair]).less(at!(WINDOW - PAIRS[$pair]))
         };
     }
-    let inner = difference!(4).times(T::of(WEIGHTS[4])).plus(T::of(WEIGHTS[3]), difference!(3));
-    let outer = difference!(2).times(T::of(WEIGHTS[2])).plus(T::of(WEIGHTS[1]), difference!(1));
-    let last = at!(WINDOW).plus(T::of(-WEIGHTS[0]), at!(WINDOW - PAIRS[0]));
+    let inner = difference!(4).times(weights[4]).plus(weights[3], difference!(3));
+    let outer = difference!(2).times(weights[2]).plus(weights[1], difference!(1));
+    let last = at!(WINDOW).plus(-weights[0], at!(WINDOW - PAIRS[0]));
     last.and(inner.and(outer))
 }
 
@@ -379,7 +463,7 @@ impl<T: Batch, U: Components<T>> Formula<T> for Keep<'_, T, U> {
 mod tests {
     use super::*;
 
-    /// The weights with which odd polynomials of degree 9 are continued to the distance of half a window from its middle: those of Lagrange, of
+    /// The weights with which odd polynomials are continued to the distance of half a window from its middle, of degree 9: those of Lagrange, of
     /// `p(x)/x` as a polynomial of `x²`.
     fn weights_of(pairs: [usize; 5]) -> [f64; 5] {
         let half = (WINDOW / 2) as f64;
@@ -398,12 +482,15 @@ mod tests {
 
     #[test]
     fn weights_continue_polynomials_and_magnify_least() {
-        for power in (1..=9).step_by(2) {
-            let at = |j: usize| ((8.0 - j as f64) / 8.0).powi(power);
-            let sum: f64 = WEIGHTS.iter().zip(PAIRS).map(|(w, j)| w * at(j)).sum();
-            assert!((sum - 1.0).abs() < 1e-14, "{power}: {sum}");
+        for (weights, degree) in [(WEIGHTS, 9), (CALM, 7)] {
+            for power in (1..=degree).step_by(2) {
+                let at = |j: usize| ((8.0 - j as f64) / 8.0).powi(power);
+                let sum: f64 = weights.iter().zip(PAIRS).map(|(w, j)| w * at(j)).sum();
+                assert!((sum - 1.0).abs() < 1e-14, "{power}: {sum}");
+            }
         }
         assert_eq!(WEIGHTS, weights_of(PAIRS));
+        assert!((magnifies(CALM) - 19.2).abs() < 0.1);
         // of all choices of five of seven
         let mut all = Vec::new();
         for (first, second) in (1..=7).flat_map(|i| (i + 1..=7).map(move |k| (i, k))) {
@@ -416,20 +503,25 @@ mod tests {
 
     use std::vec::Vec;
 
-    fn after(predictor: &mut Predictor<f64, [f64; 1]>, solutions: impl IntoIterator<Item = f64>) {
+    fn after(
+        predictor: &mut Predictor<f64, [f64; 1]>,
+        by: Continuation,
+        solutions: impl IntoIterator<Item = f64>,
+    ) {
         for x in solutions {
-            predictor.learn(&[1], None, &[x], false);
+            predictor.learn(by, &[1], None, &[x], false);
             assert_eq!(predictor.latest(), [x], "{predictor:?}");
         }
     }
 
     #[test]
     fn polynomials_are_continued() {
-        for degree in 1..=10 {
+        let all = [Continuation::Odd, Continuation::Chosen];
+        for (by, degree) in all.into_iter().flat_map(|by| (1..=10).map(move |degree| (by, degree))) {
             let polynomial = |step: i32| 0.005_f64.mul_add(f64::from(step), 1.0).powi(degree);
             let mut predictor = Predictor::default();
             for step in 0..40 {
-                after(&mut predictor, [polynomial(step)]);
+                after(&mut predictor, by, [polynomial(step)]);
                 let off = (predictor.next()[0] / polynomial(step + 1) - 1.0).abs();
                 let enough = if degree < THROUGH as i32 { degree } else { WINDOW as i32 - 1 };
                 assert!(step < enough || off < 1e-12, "{degree}, {step}: {off:e}");
@@ -438,7 +530,9 @@ mod tests {
             // and along the fast path
             for step in 40..60 {
                 let x = [polynomial(step)];
-                let then = Predictor::then(&predictor.begun::<Portable>(predictor.oldest, false), &x, false);
+                let weights = predictor.weights(by);
+                let begun = predictor.begun::<Portable>(predictor.oldest, by, &weights);
+                let then = Predictor::then(&begun, &x, by, &weights);
                 let oldest = predictor.keep::<Portable>(predictor.oldest, &x);
                 predictor.set(&(then, oldest));
                 assert!((then[0] / polynomial(step + 1) - 1.0).abs() < 1e-12, "{degree}, {step}");
@@ -452,20 +546,40 @@ mod tests {
     }
 
     #[test]
+    fn weights_follow_how_fast_the_motion_is() {
+        let off = |by: Continuation, rate: f64| {
+            let rounded = |step: i32| (rate * f64::from(step)).sin() + 2.0 + 1e-15 * noise(step);
+            let mut predictor = Predictor::default();
+            after(&mut predictor, by, (0..50).map(rounded));
+            let mut squares = 0.0;
+            for step in 50..200 {
+                squares += (predictor.next()[0] - rounded(step)).powi(2);
+                after(&mut predictor, by, [rounded(step)]);
+            }
+            squares
+        };
+        let [slow, fast] =
+            [1e-4, 0.06].map(|rate| off(Continuation::Chosen, rate) / off(Continuation::Odd, rate));
+        // the weights that lead nearer once do so mostly
+        assert!(slow < 0.6, "slow motion is predicted with less rounding: {slow}");
+        assert!((fast - 1.0).abs() < 1e-6, "fast motion as ever: {fast}");
+    }
+
+    #[test]
     fn where_solutions_jump_few_of_them_predict() {
         let smooth = |step: i32| 1.0 + (0.01 * f64::from(step)).sin();
         for size in [1e-9_f64, 1e-6, 1e-3] {
             let mut predictor = Predictor::default();
-            after(&mut predictor, (0..100).map(smooth));
+            after(&mut predictor, Continuation::Odd, (0..100).map(smooth));
             assert!(predictor.is_full());
             let mut worst = 0.0_f64;
             for step in 100..300 {
                 let x = size.mul_add(noise(step), smooth(step));
                 worst = worst.max((predictor.next()[0] - x).abs() * f64::from(u8::from(step > 110)));
-                after(&mut predictor, [x]);
+                after(&mut predictor, Continuation::Odd, [x]);
             }
             assert!(worst < 1e-5 + 40.0 * size, "{size}: off by {worst:e}");
-            after(&mut predictor, (300..300 + 2 * WINDOW as i32).map(smooth));
+            after(&mut predictor, Continuation::Odd, (300..300 + 2 * WINDOW as i32).map(smooth));
             assert!(predictor.is_full(), "{size}: all are of use where jumps end");
         }
     }

@@ -3,7 +3,7 @@
 use super::constants::{FAR, FEW};
 use super::memory::{Convergence, Memory, is_left};
 use super::newton::{Newton, is_found_from_start};
-use super::predictor::{Guess, Predictor};
+use super::predictor::{Continuation, Guess, Predictor};
 use super::rescue::{Rescue, Rescued};
 use super::{Solution, SolutionOf, fixed_point, go_on};
 use crate::error::StepError;
@@ -137,7 +137,8 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
-        self.memory.memory(Convergence::of(&self.kernel), visit);
+        let Self { kernel, memory } = self;
+        memory.memory(Convergence::of(kernel), Continuation::of(kernel), visit);
     }
 }
 
@@ -153,7 +154,7 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
         first: Option<K::Unknown>,
     ) -> Outcome<T, K::State> {
         // in line, so that numbers stay in registers: a step with four iterations takes a third less
-        if known && const { Self::IS_SMALL } && self.memory.is_regular() {
+        if known && const { !K::IS_LONG } && self.memory.is_regular() {
             let Self { kernel, memory } = self;
             let step = &kernel.begin(state, time, control);
             let equation = &AtState { kernel: &*kernel, state, step };
@@ -175,7 +176,8 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
     {
         let Memory { predictor, tolerance, .. } = &mut self.memory;
         let Clock { start, step, taken } = clock;
-        Lent::new(frame, predictor.remembered(), *tolerance, (start, step, taken), most)
+        let weights = predictor.weights(Continuation::of(&self.kernel));
+        Lent::new(frame, predictor.remembered(), *tolerance, &weights, (start, step, taken), most)
     }
 
     /// Remembers what was taken so: so many steps.
@@ -199,8 +201,6 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
 
     /// Whether there is nothing to solve for.
     const IS_EXPLICIT: bool = <K::Unknown as Components<T>>::LENGTH == 0;
-    /// Whether a step is short, so that a call for it counts; to compile a long one once more takes long.
-    const IS_SMALL: bool = <K::Places<T> as Components<T>>::LENGTH <= 400;
 
     /// The solution of the last step's equation.
     pub(crate) fn solution(&self) -> K::Unknown {
@@ -291,11 +291,9 @@ fn fast_path<P: Processor, T: Batch, K: Kernel<T>>(
         }
         // before what follows from this solution, for the next step waits for it
         kept = start.map_or(unknown, |start| apart::<T, _>(&less(&unknown, &start)));
-        then = apart_here::<T, _>(&Predictor::then(
-            &memory.predictor.begun::<P>(oldest, kernel.is_newton()),
-            &kept,
-            kernel.is_newton(),
-        ));
+        let (by, weights) = (Continuation::of(kernel), memory.predictor.weights(Continuation::of(kernel)));
+        let begun = memory.predictor.begun::<P>(oldest, by, &weights);
+        then = apart_here::<T, _>(&Predictor::then(&begun, &kept, by, &weights));
     }
     let next = apart::<T, _>(&kernel.finish(state, &step, &unknown, &evaluation));
     let inside = is_inside(kernel, state, &step, &unknown, &evaluation).all();
@@ -485,7 +483,7 @@ fn advanced<T: Batch, K: Kernel<T>, const IN_LINE: bool>(
     }
     let Solution { unknown, quick, iterations, residual, rate, .. } = solution;
     let learn = Learn { equation, memory, solution: unknown, quick: *quick, rate: *rate };
-    if const { IN_LINE || !OneStep::<T, K>::IS_SMALL } {
+    if const { IN_LINE || K::IS_LONG } {
         learn.done()
     } else {
         T::dispatch(learn)

@@ -7,6 +7,8 @@ use coadjoint::error::StepError;
 use coadjoint::nalgebra::{Complex, Quaternion};
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, Stepper, System};
+use coadjoint_app::Example;
+use coadjoint_systems::navigation::Navigation;
 
 use crate::systems::{Body, BodyState, Links, LinksState, Sensors, SensorsControl, SensorsState};
 
@@ -178,6 +180,13 @@ fn table() -> Vec<String> {
     let stepper = sensors.stepper::<Cayley>(0.01).expect("sensors");
     let felt = SensorsControl { gyroscope: vector![0.0, 0.0, 0.1], accelerometer: vector![0.0, 2.0, 9.81] };
     table.push(run("sensors", stepper, SensorsState { element, momentum }, 3000, |_| felt));
+
+    // a long step, of slow motion and of faster one
+    for step in [0.01, 0.5] {
+        let (navigation, start) = Navigation::example();
+        let stepper = navigation.stepper::<Cayley>(step).expect("navigation");
+        table.push(run(&format!("navigation, h = {step}"), stepper, start, 1000, |_| Navigation::bend()));
+    }
 
     for (name, inertia) in [
         ("thick", vector![1.0, 2.0, 2.5]),

@@ -103,7 +103,7 @@ impl Kernel<'_> {
                 "    REAL differences[REMEMBERED][SIZE], rate; /* of the latest, and how fixed-point iterations contract */\n    int count;\n    int iterations; /* of the last step, and what they left */\n    REAL residual;\n"
             }
             _ => {
-                "    REAL ring[U_WINDOW][SIZE], next[SIZE]; /* the latest, and where they point */\n//if newton\n    REAL solution[SIZE]; /* the latest by itself: the others are apart from first approximations */\n//end\n    REAL rate, tolerance; /* of fixed-point iterations: how they contract, and the change of the last one */\n    unsigned oldest;\n    int count, due, interval, is_ready;\n    int iterations; /* of the last step, and what they left */\n    REAL residual;\n"
+                "    REAL ring[U_WINDOW][SIZE], next[SIZE]; /* the latest, and where they point */\n//if newton\n    REAL solution[SIZE]; /* the latest by itself: the others are apart from first approximations */\n//end\n    REAL rate, tolerance; /* of fixed-point iterations: how they contract, and the change of the last one */\n    unsigned oldest;\n    int count, due, interval, is_ready;\n//if long\n    int is_calm; /* whether weights for slow motion lead nearer */\n//end\n    int iterations; /* of the last step, and what they left */\n    REAL residual;\n"
             }
         };
         let text = [
@@ -155,6 +155,11 @@ impl Kernel<'_> {
             true => "U_SMALL * U_EPSILON < last * last",
             false => "U_SHARP * U_EPSILON < last",
         };
+        let first_weight = match self.step.is_newton {
+            true => "U_BINOMIAL_0",
+            false if self.step.is_long => "K_weights(m->is_calm)[0]",
+            false => "U_WEIGHTS_0",
+        };
         words
             .clone()
             .prefix("K_", format!("{}_", self.prefix))
@@ -162,7 +167,7 @@ impl Kernel<'_> {
             .with("RECIPROCALS", reciprocals.join(", "))
             .with("LEAST_RATE", spelling.number(if is_strong { 2.0 / 1e8 } else { 1.0 / 256.0 }))
             .with("SHOWS", filled(shows))
-            .with("FIRST_WEIGHT", filled(if self.step.is_newton { "U_BINOMIAL_0" } else { "U_WEIGHTS_0" }))
+            .with("FIRST_WEIGHT", filled(first_weight).replace("K_", &format!("{}_", self.prefix)))
             .with("FULL", filled(if self.step.is_newton { "U_THROUGH" } else { "U_WINDOW" }))
             .with("FAST_FROM", if self.is_quadratic() { "1".to_owned() } else { filled("U_THROUGH") })
             .with("ITERATION", if self.step.is_newton { "an iteration or a few" } else { "one iteration" })
@@ -176,6 +181,7 @@ impl Kernel<'_> {
             .with("SLOW", filled(if self.has_update() { "U_OUT_OF_LINE" } else { "U_FN" }))
             .holds("update", self.has_update())
             .holds("newton", self.step.is_newton)
+            .holds("long", self.step.is_long && !self.step.is_newton)
             .holds("quadratic", self.is_quadratic())
             .holds("true_jacobian", self.step.has_true_jacobian)
             .holds("domain", self.step.module.function(StepRole::Domain).is_some())

@@ -1,6 +1,8 @@
 //! The predictor: where the solutions before point, as `runtime/src/solve/predictor.rs` has it.
 
-use coadjoint::erased::dynamic::row_length;
+use std::mem::offset_of;
+
+use coadjoint::erased::dynamic::{MACHINE_LANES, Marching, row_length};
 use cranelift_codegen::ir::{self, InstBuilder, types};
 
 use super::super::emit::Number;
@@ -64,7 +66,6 @@ impl March<'_, '_, '_> {
             false => PAIRS.iter().flat_map(|j| [*j, WINDOW - j]).skip(1).chain([WINDOW]).collect(),
         };
         let rows: Vec<_> = used.into_iter().map(|j| (j, self.row(stage, oldest, j - 1))).collect();
-        let [latest] = numbers(if is_newton { "BINOMIAL" } else { "WEIGHTS" });
         let mut then = Vec::new();
         for (i, ty) in self.pieces(stage) {
             // none of them is the one that this step writes over
@@ -73,14 +74,17 @@ impl March<'_, '_, '_> {
                 (*j, self.e.load_as(ty, Emitter::lasting(), *row, offset))
             };
             let at: Vec<_> = rows.iter().map(at).collect();
-            let begun = if is_newton { self.eighth(ty, &at) } else { self.earlier(ty, &at) };
+            let begun = if is_newton { self.eighth(ty, &at) } else { self.earlier(stage, ty, &at) };
             let lanes = if ty == self.e.ty() { 1 } else { 2 };
             for lane in 0..lanes {
                 let begun = match lanes {
                     2 => self.e.in_each([begun], |builder, [both]| builder.ins().extractlane(both, lane)),
                     _ => begun,
                 };
-                let weight = self.e.number(latest);
+                let weight = match is_newton {
+                    true => self.e.number(numbers::<1>("BINOMIAL")[0]),
+                    false => self.weight(stage, self.e.ty(), 0),
+                };
                 let product = self.e.mul(weight, kept[i + usize::from(lane)]);
                 then.push(self.e.add(begun, product));
             }
@@ -120,23 +124,38 @@ impl March<'_, '_, '_> {
         self.e.add(inner, outer)
     }
 
+    /// The weight of a difference: always the same, or the one that was chosen.
+    fn weight(&mut self, stage: usize, ty: ir::Type, place: usize) -> Number {
+        let Stage { step, marching, .. } = self.stages[stage];
+        if !step.is_long {
+            return self.constant(ty, numbers::<5>("WEIGHTS")[place]);
+        }
+        let (own, offset) =
+            (self.e.ty(), field!(weights) + (place * size_of::<[f64; MACHINE_LANES]>()) as i32);
+        let weight = self.e.load_as(own, Emitter::lasting(), marching, offset);
+        if ty == own {
+            return weight;
+        }
+        self.e.in_each([weight], |builder, [weight]| builder.ins().splat(ty, weight))
+    }
+
     /// `earlier` of the solver's predictor.
-    fn earlier(&mut self, ty: ir::Type, at: &[(usize, Number)]) -> Number {
-        let [w0, w1, w2, w3, w4] = numbers("WEIGHTS");
+    fn earlier(&mut self, stage: usize, ty: ir::Type, at: &[(usize, Number)]) -> Number {
+        let [w0, w1, w2, w3, w4] = [0, 1, 2, 3, 4].map(|place| self.weight(stage, ty, place));
         let difference = |e: &mut Emitter<'_, '_>, pair: usize| {
             let j = PAIRS[pair];
             let [a, b] = [j, WINDOW - j].map(|j| found(at, j));
             e.sub(a, b)
         };
         let fourth = difference(self.e, 4);
-        let inner = self.times(ty, w4, fourth);
+        let inner = self.e.mul(w4, fourth);
         let third = difference(self.e, 3);
-        let inner = self.plus(ty, inner, w3, third);
+        let inner = self.e.mul_add(false, w3, third, inner);
         let second = difference(self.e, 2);
-        let outer = self.times(ty, w2, second);
+        let outer = self.e.mul(w2, second);
         let first = difference(self.e, 1);
-        let outer = self.plus(ty, outer, w1, first);
-        let last = self.plus(ty, found(at, WINDOW), -w0, found(at, WINDOW - PAIRS[0]));
+        let outer = self.e.mul_add(false, w1, first, outer);
+        let last = self.e.mul_add(true, w0, found(at, WINDOW - PAIRS[0]), found(at, WINDOW));
         let both = self.e.add(inner, outer);
         self.e.add(last, both)
     }

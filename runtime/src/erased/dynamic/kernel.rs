@@ -123,10 +123,12 @@ impl<T: Called, const U: usize> Kernel<T> for DynamicKernel<T, U> {
     type Unknown = [T; U];
     type Step = [T; 0];
     type Iterate = Iterate<T, U>;
-    // of many values: what is compiled once more for steps of few takes long, and a call is nothing beside what is interpreted
-    type Places<X: Scalar> = [X; 1000];
+    // never asked for: what rounding leaves is computed by a function of its own
+    type Places<X: Scalar> = [X; 0];
 
     const BLOCKS: Blocks = &[];
+    // what is compiled once more takes long, and a call is nothing beside what is interpreted
+    const IS_LONG: bool = true;
 
     #[inline(always)]
     fn blocks(&self) -> &[usize] {
@@ -139,6 +141,10 @@ impl<T: Called, const U: usize> Kernel<T> for DynamicKernel<T, U> {
     #[inline(always)]
     fn is_newton(&self) -> bool {
         self.step().is_newton
+    }
+    #[inline(always)]
+    fn is_long(&self) -> bool {
+        self.step().is_long
     }
 
     fn new(_: &[T; 0], _: T) -> Self {

@@ -174,6 +174,8 @@ pub struct Step {
     pub has_true_jacobian: bool,
     /// Whether all iterations are simplified Newton steps with nearly that matrix.
     pub is_newton: bool,
+    /// Whether it is long, so that what rounding leaves in its solutions is some units.
+    pub is_long: bool,
     /// Its functions as bytes, for certificates and for what rounding leaves.
     pub program: [Vec<u8>; 4],
     /// How many places the values of these have.

@@ -29,6 +29,8 @@ pub struct Marching {
     pub solution: *mut f64,
     /// The relative change of an iteration that may be the last, of each member.
     pub tolerance: [f64; MACHINE_LANES],
+    /// The weights of differences of solutions, of each member.
+    pub weights: [[f64; MACHINE_LANES]; 5],
     /// Steps start at `start + taken · step`.
     pub start: f64,
     /// As above.
@@ -98,12 +100,18 @@ pub(crate) struct Marched {
     pub(crate) has_first: bool,
 }
 
+/// A number of each member.
+fn of_each<T: Framed>(number: &T) -> [f64; MACHINE_LANES] {
+    core::array::from_fn(|lane| number.lane(lane % T::LANES))
+}
+
 impl<'a> Lent<'a> {
     /// For up to so many steps from the state in a frame on.
     pub(crate) fn new<T: Framed, U: Components<T>>(
         frame: &'a mut [T::Row],
         remembered: Remembered<'a, T, U>,
         tolerance: T,
+        weights: &[T; 5],
         (start, step, taken): (f64, f64, u64),
         most: u64,
     ) -> Self {
@@ -113,7 +121,8 @@ impl<'a> Lent<'a> {
             ring: ring.as_mut_ptr().cast(),
             next: next.as_mut().as_mut_ptr().cast(),
             solution: solution.as_mut().as_mut_ptr().cast(),
-            tolerance: core::array::from_fn(|lane| tolerance.lane(lane % T::LANES)),
+            tolerance: of_each(&tolerance),
+            weights: weights.each_ref().map(of_each),
             start,
             step,
             taken,

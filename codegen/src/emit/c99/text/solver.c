@@ -91,6 +91,16 @@ U_HOT void K_eighth(const K_memory *m, unsigned oldest, REAL *sum)
 }
 
 //else
+//if long
+/* The weights of differences: usual ones, or those for slow motion. */
+U_HOT const REAL *K_weights(int is_calm)
+{
+    U_TABLE REAL weights[2][5] = { { U_WEIGHTS_0, U_WEIGHTS_1, U_WEIGHTS_2, U_WEIGHTS_3, U_WEIGHTS_4 },
+                                   { U_CALM_0, U_CALM_1, U_CALM_2, U_CALM_3, U_CALM_4 } };
+    return weights[is_calm];
+}
+
+//end
 /* x[16] - w[1] x[15] + the sum of w[j] (x[j] - x[16-j]), where the x[j] are as many places newer as it is ahead. */
 U_HOT void K_earlier(const K_memory *m, unsigned oldest, int ahead, REAL *sum)
 {
@@ -99,12 +109,21 @@ U_HOT void K_earlier(const K_memory *m, unsigned oldest, int ahead, REAL *sum)
     const REAL *x5 = K_row(m, oldest, 5 - ahead), *x11 = K_row(m, oldest, 11 - ahead);
     const REAL *x7 = K_row(m, oldest, 7 - ahead), *x9 = K_row(m, oldest, 9 - ahead);
     const REAL *x15 = K_row(m, oldest, 15 - ahead), *x16 = K_row(m, oldest, 16 - ahead);
+//if long
+    const REAL *const w = K_weights(m->is_calm);
+//end
     REAL inner, outer, last;
     int i;
     for (i = 0; i < SIZE; i++) {
+//if long
+        inner = w[4] * (x7[i] - x9[i]) + w[3] * (x5[i] - x11[i]);
+        outer = w[2] * (x3[i] - x13[i]) + w[1] * (x2[i] - x14[i]);
+        last = x16[i] + -w[0] * x15[i];
+//else
         inner = U_WEIGHTS_4 * (x7[i] - x9[i]) + U_WEIGHTS_3 * (x5[i] - x11[i]);
         outer = U_WEIGHTS_2 * (x3[i] - x13[i]) + U_WEIGHTS_1 * (x2[i] - x14[i]);
         last = x16[i] + -U_WEIGHTS_0 * x15[i];
+//end
         sum[i] = last + (inner + outer);
     }
 }
@@ -154,10 +173,48 @@ U_FN REAL K_weighted(const REAL *weights, const REAL *from, const REAL *to)
     return size;
 }
 
+/* One over the size of its block for each component. */
+U_FN void K_one_over_sizes(const REAL *solution, REAL *weights)
+{
+    REAL size;
+    int i;
+//each block
+    size = U_FLOOR;
+    for (i = BEGIN; i < END; i++)
+        size += FABS(solution[i]);
+    for (i = BEGIN; i < END; i++)
+        weights[i] = ONE / size;
+//end
+}
+
+//if long
+/* How far from this solution all have pointed, with usual weights or those for slow motion. */
+U_FN REAL K_off(K_memory *m, int is_calm, const REAL *sizes, const REAL *solution)
+{
+    const REAL *latest = K_row(m, m->oldest, 1);
+    REAL next[SIZE];
+    int i;
+    m->is_calm = is_calm;
+    K_earlier(m, m->oldest, 0, next);
+    for (i = 0; i < SIZE; i++)
+        next[i] = next[i] + FIRST_WEIGHT * latest[i];
+    return K_weighted(sizes, next, solution);
+}
+
+/* Chooses the weights that would have led nearer to this solution. */
+U_FN void K_choose(K_memory *m, const REAL *solution)
+{
+    REAL sizes[SIZE], usual;
+    K_one_over_sizes(solution, sizes);
+    usual = K_off(m, 0, sizes, solution);
+    m->is_calm = K_off(m, 1, sizes, solution) < usual;
+}
+
+//end
 /* Takes one more solution. Where a few of the earlier ones predict it better than all, the others are forgotten. */
 U_FN void K_learn_solution(const K_equation *q, K_memory *m, const REAL *solution)
 {
-    REAL weights[SIZE], by_few[SIZE], begun[SIZE], size, off;
+    REAL weights[SIZE], by_few[SIZE], begun[SIZE], off;
     int i, known;
 //if newton
     /* what is kept is what they are apart from the equations' first approximations */
@@ -171,6 +228,10 @@ U_FN void K_learn_solution(const K_equation *q, K_memory *m, const REAL *solutio
     const REAL *const kept = solution, *const next = m->next;
     (void)q;
 //end
+//if long
+    if (m->count >= FULL)
+        K_choose(m, solution);
+//end
     if (m->count >= FULL && K_is_within(next, solution, U_SMALL * U_EPSILON)) {
 //if newton
         K_eighth(m, m->oldest, begun);
@@ -182,13 +243,7 @@ U_FN void K_learn_solution(const K_equation *q, K_memory *m, const REAL *solutio
             m->next[i] = begun[i] + FIRST_WEIGHT * kept[i];
         return;
     }
-//each block
-    size = U_FLOOR;
-    for (i = BEGIN; i < END; i++)
-        size += FABS(solution[i]);
-    for (i = BEGIN; i < END; i++)
-        weights[i] = ONE / size;
-//end
+    K_one_over_sizes(solution, weights);
     off = K_weighted(weights, next, solution);
     known = off <= U_LOST ? m->count : 0;
     m->count = known < U_WINDOW ? known + 1 : known;
@@ -213,6 +268,9 @@ U_FN void K_settle(K_memory *m)
 U_FN void K_forget(K_memory *m)
 {
     m->count = 0;
+//if long
+    m->is_calm = 0;
+//end
     m->due = U_INTERVALS_0;
     m->interval = U_INTERVALS_0;
     m->rate = U_STRONG;
@@ -824,7 +882,7 @@ U_HOT int K_fast(const K_constants *k, K_memory *m, K_path *path, const S_state 
     /* before what follows from this solution, for the next step waits for it */
     K_earlier(m, path->oldest, 1, then);
     for (i = 0; i < SIZE; i++)
-        then[i] = then[i] + U_WEIGHTS_0 * unknown[i];
+        then[i] = then[i] + FIRST_WEIGHT * unknown[i];
 //end
     K_finish(&q, unknown, &e, next);
 //if domain
