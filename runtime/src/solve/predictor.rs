@@ -91,10 +91,8 @@ pub(super) struct Predictor<T: Batch, U> {
     next: U,
     /// The latest solution, for Newton's method.
     solution: U,
-    /// How many of the solutions are of use, in each lane.
+    /// How many of the solutions are of use, in each lane; one more than all where the weights for slow motion lead nearer.
     count: T,
-    /// One where the weights for slow motion lead nearer, else zero.
-    calm: T,
     /// The place of the oldest, which the next one will take.
     oldest: u32,
     /// Whether all are of use in all lanes: kept, for it is asked in each step.
@@ -110,7 +108,6 @@ impl<T: Batch, U: Components<T>> Default for Predictor<T, U> {
             next: nothing,
             solution: nothing,
             count: T::of(0.0),
-            calm: T::of(0.0),
             oldest: 0,
             is_full: false,
         }
@@ -139,7 +136,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     /// Forgets all solutions.
     #[inline(always)]
     pub(super) fn forget(&mut self) {
-        (self.count, self.calm, self.is_full) = (T::of(0.0), T::of(0.0), false);
+        (self.count, self.is_full) = (T::of(0.0), false);
     }
 
     /// The next solution, if there is any before it.
@@ -180,7 +177,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
             return usual;
         }
         // no closure, which would not be compiled for the processor that the caller is compiled for
-        let is_calm = T::of(0.0).lt(self.calm);
+        let is_calm = T::of(WINDOW as f64).lt(self.count);
         let [a, b, c, d, e] = calm;
         let [f, g, h, i, j] = usual;
         [
@@ -220,8 +217,8 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         let by_usual = self.by_all(Continuation::Chosen, &all_of(WEIGHTS));
         let calm = weighted::<T, _>(sizes, &by_calm, solution);
         let usual = weighted::<T, _>(sizes, &by_usual, solution);
-        let is_calm = T::select(calm.lt(usual), T::of(1.0), T::of(0.0));
-        self.calm = T::select(wanted, is_calm, self.calm);
+        let [all, one_more] = [WINDOW, WINDOW + 1].map(|count| T::of(count as f64));
+        self.count = T::select(wanted, T::select(calm.lt(usual), one_more, all), self.count);
     }
 
     /// Takes the next solution. Returns the place that the one after it will take.
@@ -365,10 +362,8 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     /// Shows all that is remembered, for [`Method::memory`](crate::method::Method::memory).
     pub(super) fn memory(&mut self, visit: &mut dyn FnMut(&mut [T]), by: Continuation) {
         visit(core::slice::from_mut(&mut self.count));
-        match by {
-            Continuation::Eighth => visit(self.solution.as_mut()),
-            Continuation::Chosen => visit(core::slice::from_mut(&mut self.calm)),
-            Continuation::Odd => {}
+        if by == Continuation::Eighth {
+            visit(self.solution.as_mut());
         }
         // the latest first: where the ring begins is of no interest
         let mut j = 1;

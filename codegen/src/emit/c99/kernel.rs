@@ -103,7 +103,7 @@ impl Kernel<'_> {
                 "    REAL differences[REMEMBERED][SIZE], rate; /* of the latest, and how fixed-point iterations contract */\n    int count;\n    int iterations; /* of the last step, and what they left */\n    REAL residual;\n"
             }
             _ => {
-                "    REAL ring[U_WINDOW][SIZE], next[SIZE]; /* the latest, and where they point */\n//if newton\n    REAL solution[SIZE]; /* the latest by itself: the others are apart from first approximations */\n//end\n    REAL rate, tolerance; /* of fixed-point iterations: how they contract, and the change of the last one */\n    unsigned oldest;\n    int count, due, interval, is_ready;\n//if long\n    int is_calm; /* whether weights for slow motion lead nearer */\n//end\n    int iterations; /* of the last step, and what they left */\n    REAL residual;\n"
+                "    REAL ring[U_WINDOW][SIZE], next[SIZE]; /* the latest, and where they point */\n//if newton\n    REAL solution[SIZE]; /* the latest by itself: the others are apart from first approximations */\n//end\n    REAL rate, tolerance; /* of fixed-point iterations: how they contract, and the change of the last one */\n    unsigned oldest;\n    int count, due, interval, is_ready;\n    int iterations; /* of the last step, and what they left */\n    REAL residual;\n"
             }
         };
         let text = [
@@ -157,7 +157,7 @@ impl Kernel<'_> {
         };
         let first_weight = match self.step.is_newton {
             true => "U_BINOMIAL_0",
-            false if self.step.is_long => "K_weights(m->is_calm)[0]",
+            false if self.step.is_long => "K_weights(m->count > U_WINDOW)[0]",
             false => "U_WEIGHTS_0",
         };
         words

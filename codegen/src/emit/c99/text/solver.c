@@ -110,7 +110,7 @@ U_HOT void K_earlier(const K_memory *m, unsigned oldest, int ahead, REAL *sum)
     const REAL *x7 = K_row(m, oldest, 7 - ahead), *x9 = K_row(m, oldest, 9 - ahead);
     const REAL *x15 = K_row(m, oldest, 15 - ahead), *x16 = K_row(m, oldest, 16 - ahead);
 //if long
-    const REAL *const w = K_weights(m->is_calm);
+    const REAL *const w = K_weights(m->count > U_WINDOW);
 //end
     REAL inner, outer, last;
     int i;
@@ -194,7 +194,7 @@ U_FN REAL K_off(K_memory *m, int is_calm, const REAL *sizes, const REAL *solutio
     const REAL *latest = K_row(m, m->oldest, 1);
     REAL next[SIZE];
     int i;
-    m->is_calm = is_calm;
+    m->count = U_WINDOW + is_calm;
     K_earlier(m, m->oldest, 0, next);
     for (i = 0; i < SIZE; i++)
         next[i] = next[i] + FIRST_WEIGHT * latest[i];
@@ -207,7 +207,7 @@ U_FN void K_choose(K_memory *m, const REAL *solution)
     REAL sizes[SIZE], usual;
     K_one_over_sizes(solution, sizes);
     usual = K_off(m, 0, sizes, solution);
-    m->is_calm = K_off(m, 1, sizes, solution) < usual;
+    m->count = K_off(m, 1, sizes, solution) < usual ? U_WINDOW + 1 : U_WINDOW;
 }
 
 //end
@@ -268,9 +268,6 @@ U_FN void K_settle(K_memory *m)
 U_FN void K_forget(K_memory *m)
 {
     m->count = 0;
-//if long
-    m->is_calm = 0;
-//end
     m->due = U_INTERVALS_0;
     m->interval = U_INTERVALS_0;
     m->rate = U_STRONG;
