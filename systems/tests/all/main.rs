@@ -68,6 +68,7 @@ mod dynamic;
 mod groups;
 mod hostile;
 mod inputs;
+mod members;
 mod physics;
 mod textbooks;
 mod three_levels;
