@@ -883,11 +883,14 @@ U_HOT int K_fast(const K_constants *k, K_memory *m, K_path *path, const S_state 
 //end
     K_finish(&q, unknown, &e, next);
 //if domain
-    if (!(K_domain(&q, unknown, &e) > 0))
-        return 2;
+    if (!(K_domain(&q, unknown, &e) > 0 && ZERO * (SURELY) <= ZERO)) {
+//else
+    if (!(ZERO * (SURELY) <= ZERO)) {
 //end
-    if (!(ZERO * (SURELY) <= ZERO))
+        /* nobody reads it, but compilers would put the prediction off, until after this, and keep all that it is made of in memory */
+        K_copy(unknown, then);
         return 2;
+    }
     K_copy(m->ring[path->oldest % (unsigned)U_WINDOW], kept);
     path->oldest++;
     K_copy(path->next, then);
