@@ -19,73 +19,60 @@ pub trait Within<S: Dynamics + ?Sized> {
     const IS_IDLE: bool = false;
 
     /// How many events are watched.
-    fn events(&self) -> usize;
+    fn events(&self) -> usize {
+        0
+    }
     /// Whether the description has them all, as far as they are to be its own.
     fn is_there(&self) -> bool {
         true
     }
     /// The next step starts from a state that no step led to.
-    fn start(&mut self);
+    fn start(&mut self) {}
     /// Steps of another length begin.
-    fn forget(&mut self);
+    fn forget(&mut self) {}
     /// How many points within a step with this end have to be looked at.
-    fn wanted(&mut self, dense: &mut dyn Dense<S>, state: &S::State, time: f64) -> u32;
+    fn wanted(&mut self, _dense: &mut dyn Dense<S>, _state: &S::State, _time: f64) -> u32 {
+        0
+    }
     /// Sees a state within the step; or at its end, which was seen already.
-    fn see(&mut self, share: f64, dense: &mut dyn Dense<S>, state: &S::State);
+    fn see(&mut self, _share: f64, _dense: &mut dyn Dense<S>, _state: &S::State) {}
     /// Sees the end.
-    fn see_end(&mut self);
+    fn see_end(&mut self) {}
     /// Looks for the first zero of each; or for the next one of those that have come.
     ///
     /// # Errors
     /// If there is no state within the step.
     fn seek(
         &mut self,
-        dense: &mut dyn Dense<S>,
-        state: &mut S::State,
-        is_first: bool,
-    ) -> Result<(), StepError>;
+        _dense: &mut dyn Dense<S>,
+        _state: &mut S::State,
+        _is_first: bool,
+    ) -> Result<(), StepError> {
+        Ok(())
+    }
     /// The first zero that comes, or the last one that comes no later than this.
-    fn next(&self, until: Option<f64>) -> Option<f64>;
+    fn next(&self, _until: Option<f64>) -> Option<f64> {
+        None
+    }
     /// Calls those that come no later than this, in the order in which they were added, and tells the first one that ends the run. Of this number on.
-    fn call(&mut self, until: f64, first: usize, moment: &mut Moment<'_, S>) -> Option<usize>;
+    fn call(&mut self, _until: f64, _first: usize, _moment: &mut Moment<'_, S>) -> Option<usize> {
+        None
+    }
     /// The step has ended.
-    fn end(&mut self);
+    fn end(&mut self) {}
 
     /// The next time that is to be shown, in the direction of the run.
-    fn due(&mut self, from: f64, is_forward: bool) -> Option<f64>;
+    fn due(&mut self, _from: f64, _is_forward: bool) -> Option<f64> {
+        None
+    }
     /// Shows the state at a time that is due.
-    fn show(&mut self, tick: &Tick<'_, S>) -> ControlFlow<()>;
+    fn show(&mut self, _tick: &Tick<'_, S>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
 }
 
 impl<S: Dynamics + ?Sized> Within<S> for () {
     const IS_IDLE: bool = true;
-
-    fn events(&self) -> usize {
-        0
-    }
-    fn start(&mut self) {}
-    fn forget(&mut self) {}
-    fn wanted(&mut self, _: &mut dyn Dense<S>, _: &S::State, _: f64) -> u32 {
-        0
-    }
-    fn see(&mut self, _: f64, _: &mut dyn Dense<S>, _: &S::State) {}
-    fn see_end(&mut self) {}
-    fn seek(&mut self, _: &mut dyn Dense<S>, _: &mut S::State, _: bool) -> Result<(), StepError> {
-        Ok(())
-    }
-    fn next(&self, _: Option<f64>) -> Option<f64> {
-        None
-    }
-    fn call(&mut self, _: f64, _: usize, _: &mut Moment<'_, S>) -> Option<usize> {
-        None
-    }
-    fn end(&mut self) {}
-    fn due(&mut self, _: f64, _: bool) -> Option<f64> {
-        None
-    }
-    fn show(&mut self, _: &Tick<'_, S>) -> ControlFlow<()> {
-        ControlFlow::Continue(())
-    }
 }
 
 /// Of two, the first has come first.
@@ -349,14 +336,6 @@ where
     fn end(&mut self) {
         self.tracker.end();
     }
-
-    fn due(&mut self, _: f64, _: bool) -> Option<f64> {
-        None
-    }
-
-    fn show(&mut self, _: &Tick<'_, S>) -> ControlFlow<()> {
-        ControlFlow::Continue(())
-    }
 }
 
 #[cfg(feature = "std")]
@@ -432,27 +411,6 @@ impl<I: Iterator<Item = f64>, O> Samples<I, O> {
 }
 
 impl<S: Dynamics + ?Sized, I: Iterator<Item = f64>, O: Observer<S>> Within<S> for Samples<I, O> {
-    fn events(&self) -> usize {
-        0
-    }
-    fn start(&mut self) {}
-    fn forget(&mut self) {}
-    fn wanted(&mut self, _: &mut dyn Dense<S>, _: &S::State, _: f64) -> u32 {
-        0
-    }
-    fn see(&mut self, _: f64, _: &mut dyn Dense<S>, _: &S::State) {}
-    fn see_end(&mut self) {}
-    fn seek(&mut self, _: &mut dyn Dense<S>, _: &mut S::State, _: bool) -> Result<(), StepError> {
-        Ok(())
-    }
-    fn next(&self, _: Option<f64>) -> Option<f64> {
-        None
-    }
-    fn call(&mut self, _: f64, _: usize, _: &mut Moment<'_, S>) -> Option<usize> {
-        None
-    }
-    fn end(&mut self) {}
-
     fn due(&mut self, from: f64, is_forward: bool) -> Option<f64> {
         // what lies behind is passed over, and so is what is no time
         let is_ahead = |time: f64| {
