@@ -114,15 +114,8 @@ pub struct Derived {
 /// # Errors
 /// All problems of the description, each at its tokens; or if none, or none of this name, is there.
 pub fn derived(source: &source::Source, name: Option<&str>) -> syn::Result<Derived> {
-    let description = source.description(name)?;
-    let mut diagnostics = Diagnostics::new();
-    let mut attribute = Attribute::parse(description.attribute.clone(), &method::known(), &mut diagnostics);
-    match source.definitions() {
-        Ok(definitions) => (attribute.definitions, attribute.functions) = definitions,
-        Err(error) => diagnostics.absorb(error),
-    }
     let mut unknown = Vec::new();
-    let made = compile(&attribute, description.item.clone(), &mut diagnostics, |program, system, _, _| {
+    let made = in_text(source, name, |program, system, _, _| {
         let constants = system.constants.iter().map(|constant| {
             source.constant(&constant.tokens).unwrap_or_else(|error| {
                 unknown.push(error);
@@ -131,12 +124,50 @@ pub fn derived(source: &source::Source, name: Option<&str>) -> syn::Result<Deriv
         });
         (program, constants.collect())
     });
-    unknown.into_iter().for_each(|error| diagnostics.absorb(error));
+    // where the description is in error too, both are told
+    let ((program, constants), warnings) = match (made, unknown.into_iter().reduce(combined)) {
+        (Ok(made), None) => made,
+        (Err(error), None) | (Ok(_), Some(error)) => return Err(error),
+        (Err(first), Some(then)) => return Err(combined(first, then)),
+    };
+    Ok(Derived { program, constants, warnings })
+}
+
+/// The expansion of a description in a text, with the groups and functions that stand beside it.
+///
+/// # Errors
+/// As of [`derived`], but for constants, which only a compiler has to know.
+pub fn expand_in(source: &source::Source, name: Option<&str>) -> syn::Result<Expansion> {
+    in_text(source, name, emit_rust).map(|(expansion, _)| expansion)
+}
+
+fn combined(mut all: syn::Error, then: syn::Error) -> syn::Error {
+    all.combine(then);
+    all
+}
+
+/// What is made of the program of a description in a text, and what is no error.
+fn in_text<R>(
+    source: &source::Source,
+    name: Option<&str>,
+    emit: impl FnOnce(Program, &System<'_>, &Attribute, &Item) -> R,
+) -> syn::Result<(R, Vec<(proc_macro2::Span, String)>)> {
+    let description = source.description(name)?;
+    let mut diagnostics = Diagnostics::new();
+    let mut attribute = Attribute::parse(description.attribute.clone(), &method::known(), &mut diagnostics);
+    if source.has_derivatives() {
+        attribute.derivatives = scheme::Derivatives::ALL;
+    }
+    match source.definitions() {
+        Ok(definitions) => (attribute.definitions, attribute.functions) = definitions,
+        Err(error) => diagnostics.absorb(error),
+    }
+    let made = compile(&attribute, description.item.clone(), &mut diagnostics, emit);
     let warnings = diagnostics.warned();
     diagnostics.finish()?;
-    let (program, constants) =
+    let made =
         made.ok_or_else(|| syn::Error::new(proc_macro2::Span::call_site(), "there is nothing to derive"))?;
-    Ok(Derived { program, constants, warnings })
+    Ok((made, warnings))
 }
 
 /// A C99 header of a description without problems, for some of its steps: one file that needs nothing but `math.h`.

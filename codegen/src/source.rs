@@ -22,6 +22,7 @@ pub struct Source {
     constants: BTreeMap<String, TokenStream>,
     /// What names in modules stand for, both as paths are spelt; `*` for all names of a module.
     imports: Vec<(String, String)>,
+    has_derivatives: bool,
 }
 
 /// A struct below its attribute.
@@ -33,6 +34,8 @@ pub struct Described {
     pub attribute: TokenStream,
     /// The struct, without that attribute.
     pub item: TokenStream,
+    /// What is wrong with how the attribute stands there.
+    problem: Option<syn::Error>,
 }
 
 /// How deep modules may be in each other.
@@ -46,6 +49,16 @@ impl Source {
         source
     }
 
+    /// Asks for the derivatives of steps, whether or not a description does.
+    #[must_use]
+    pub fn with_derivatives(self, has_derivatives: bool) -> Self {
+        Self { has_derivatives, ..self }
+    }
+
+    pub(crate) fn has_derivatives(&self) -> bool {
+        self.has_derivatives
+    }
+
     /// The descriptions, in the order in which they stand there.
     pub fn described(&self) -> &[Described] {
         &self.described
@@ -54,8 +67,13 @@ impl Source {
     /// The description of this name; without a name, the only one.
     ///
     /// # Errors
-    /// If there is none, or there are several to choose from.
+    /// If there is none, or there are several to choose from, or its attribute is none that a compiler would take.
     pub fn description(&self, name: Option<&str>) -> syn::Result<&Described> {
+        let described = self.named(name)?;
+        described.problem.clone().map_or(Ok(described), Err)
+    }
+
+    fn named(&self, name: Option<&str>) -> syn::Result<&Described> {
         let names = || crate::diagnostics::list(self.described.iter().map(|one| one.name.to_string()));
         let error = |span, message: String| Err(syn::Error::new(span, message));
         match (name, &self.described[..]) {
@@ -110,8 +128,8 @@ impl Source {
         let unknown = |message: String| syn::Error::new_spanned(expression, message);
         match expression {
             Expr::Lit(literal) => match &literal.lit {
-                Lit::Float(number) => number.base10_parse(),
-                Lit::Int(number) => number.base10_parse(),
+                Lit::Float(number) if ["", "f64"].contains(&number.suffix()) => number.base10_parse(),
+                Lit::Int(number) if ["", "f64"].contains(&number.suffix()) => number.base10_parse(),
                 _ => Err(unknown("expected a number".to_owned())),
             },
             Expr::Paren(inner) => self.value(&inner.expr, depth),
@@ -254,14 +272,21 @@ impl Source {
         };
         match (keyword.as_str(), rest.last()) {
             ("struct", _) => {
-                let ours = attributes.iter().position(|attribute| attribute.is("lie_poisson_system"));
-                if let Some(ours) = ours {
-                    let attribute = attributes[ours].arguments();
-                    let others = attributes.iter().enumerate().filter(|(place, _)| *place != ours);
-                    let others = others.flat_map(|(_, attribute)| attribute.tokens.clone());
-                    let item = others.chain(rest).collect();
-                    self.described.push(Described { name, attribute, item });
-                }
+                let (ours, others): (Vec<_>, Vec<_>) =
+                    attributes.into_iter().partition(|attribute| attribute.is("lie_poisson_system"));
+                let Some((first, again)) = ours.split_first() else { return };
+                let (attribute, rest_of_it) = first.arguments();
+                let twice = again.first().map(|attribute| {
+                    let tokens: TokenStream = attribute.tokens.iter().cloned().collect();
+                    let message = "a struct is described once: this attribute is the second";
+                    syn::Error::new_spanned(tokens, message)
+                });
+                let more = (!rest_of_it.is_empty()).then(|| {
+                    let message = "the attribute ends before this: a bracket stands where it should not";
+                    syn::Error::new_spanned(rest_of_it, message)
+                });
+                let item = others.into_iter().flat_map(|attribute| attribute.tokens).chain(rest).collect();
+                self.described.push(Described { name, attribute, item, problem: more.or(twice) });
             }
             ("fn", _) if attributes.iter().any(|attribute| attribute.is("expression")) => {
                 self.functions.push((path(&name), rest.into_iter().collect()));
@@ -301,13 +326,14 @@ impl OfItem {
         path.last().is_some_and(|last| last.to_string() == name)
     }
 
-    /// What stands in its parentheses.
-    fn arguments(&self) -> TokenStream {
-        let group = self.inner.clone().into_iter().find_map(|token| match token {
+    /// What stands in its parentheses, and what stands behind them, where nothing should.
+    fn arguments(&self) -> (TokenStream, TokenStream) {
+        let mut tokens = self.inner.clone().into_iter();
+        let group = tokens.find_map(|token| match token {
             TokenTree::Group(group) => Some(group.stream()),
             _ => None,
         });
-        group.unwrap_or_default()
+        (group.unwrap_or_default(), tokens.collect())
     }
 }
 

@@ -198,10 +198,33 @@ pub fn names(text: &str, file: &str) -> Result<Vec<String>, DescriptionError> {
 
 fn source(text: &str, file: &str) -> Result<Source, DescriptionError> {
     let wrong = |error: proc_macro2::LexError| {
-        let message = "this is no text of Rust: a bracket or a quote is not closed, or was not opened";
-        DescriptionError::new(file, vec![Problem::at(text, error.span(), message.to_owned())])
+        let start = error.span().start();
+        let line = text.split('\n').nth(start.line.saturating_sub(1));
+        let sign = line.and_then(|line| line.chars().nth(start.column));
+        let message = match sign.and_then(meant) {
+            Some((sign, meant)) => format!("`{sign}` is no sign of Rust: write {meant}"),
+            None => {
+                "this is no text of Rust: a bracket or a quote is not closed, or was not opened".to_owned()
+            }
+        };
+        DescriptionError::new(file, vec![Problem::at(text, error.span(), message)])
     };
     Ok(Source::find(text.parse::<TokenStream>().map_err(wrong)?))
+}
+
+/// A sign as books print it, and what is written in its place.
+fn meant(sign: char) -> Option<(char, &'static str)> {
+    let meant = match sign {
+        '−' | '–' | '—' => "`-`",
+        '×' | '·' | '⋅' | '∙' => "`*`",
+        '÷' | '∕' => "`/`",
+        '²' => "`.powi(2)`",
+        '³' => "`.powi(3)`",
+        '√' => "`.sqrt()`",
+        '“' | '”' | '„' | '‘' | '’' => "a straight quote",
+        _ => return None,
+    };
+    Some((sign, meant))
 }
 
 fn derived(text: &str, file: &str, name: Option<&str>) -> Result<Model, DescriptionError> {
@@ -211,7 +234,7 @@ fn derived(text: &str, file: &str, name: Option<&str>) -> Result<Model, Descript
         coadjoint_codegen::derived(&source, name).map_err(failed)?;
     let program = Arc::new(program);
     if program.interface.scalar == ScalarType::F32 {
-        let message = "systems that are made at run time compute with `f64`: leave out `scalar = f32`";
+        let message = "systems that are made at run time compute with `f64`: write that in the place of `f32`, and leave out `scalar = f32`";
         return Err(DescriptionError::new(file, vec![Problem::without_place(message)]));
     }
     let about = source.description(name).map(|described| documentation(&described.item)).map_err(failed)?;

@@ -42,7 +42,8 @@ pub(crate) fn cuda(
         let tokens = text.parse().map_err(|error: proc_macro2::LexError| error.to_string())?;
         let derived =
             coadjoint_codegen::derived(&Source::find(tokens), name).map_err(|error| error.to_string())?;
-        let options = Options { steps: vec![steps], kernels: true, ..Options::default() };
+        let constants = derived.constants;
+        let options = Options { steps: vec![steps], kernels: true, constants, ..Options::default() };
         let prefix = options.prefixes(&derived.program.interface.name).swap_remove(0);
         header(&derived.program, &options).map(|text| (text, prefix)).map_err(|error| error.to_string())
     };

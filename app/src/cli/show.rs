@@ -9,9 +9,8 @@ use coadjoint_codegen::emit::c99::{self, Options, Steps};
 use coadjoint_codegen::group;
 use coadjoint_codegen::quantity::ScalarType;
 use coadjoint_codegen::scheme::Scheme;
+use coadjoint_codegen::source::Source;
 use proc_macro2::{Group, Literal, TokenStream, TokenTree};
-use quote::ToTokens;
-use syn::{Item, ItemStruct, Meta};
 
 use super::description::DescriptionArguments;
 use crate::catalogue::{Catalogue, Entry};
@@ -86,15 +85,16 @@ pub(crate) fn show(
         }
         Language::Rust => generated(entry, retraction, derivatives).map_err(rejected)?,
         Language::C | Language::Cuda => {
-            let (attribute, item) = described(entry, derivatives).map_err(rejected)?;
-            let program = coadjoint_codegen::program(attribute, item).map_err(rejected)?;
+            let (source, name) = described(entry, derivatives).map_err(rejected)?;
+            let derived = coadjoint_codegen::derived(&source, name.as_deref()).map_err(rejected)?;
             let options = Options {
                 steps: steps(entry, arguments)?,
                 scalar: float.then_some(ScalarType::F32),
                 compact,
                 kernels: language == Language::Cuda,
+                constants: derived.constants,
             };
-            let header = c99::header(&program, &options);
+            let header = c99::header(&derived.program, &options);
             header.map_err(|error| SetupError::new(format!("`{}`: {error}", entry.name)))?
         }
     };
@@ -129,16 +129,18 @@ fn steps(entry: &Entry, arguments: &ShowArguments) -> Result<Vec<Steps>, SetupEr
 
 /// The code generated from an entry's source, for one retraction or all, with its derivatives or without.
 fn generated(entry: &Entry, retraction: Option<Retraction>, derivatives: bool) -> syn::Result<String> {
-    let (attribute, item) = described(entry, derivatives)?;
-    let tokens = expand(attribute, item, retraction)?;
+    let (source, name) = described(entry, derivatives)?;
+    let tokens = expand(&source, name.as_deref(), retraction)?;
     Ok(prettyplease::unparse(&syn::parse2(without_bytes(tokens))?))
 }
 
-/// The description of an entry, which asks for derivatives where they are wanted: the catalogue's ask for none.
-fn described(entry: &Entry, derivatives: bool) -> syn::Result<(TokenStream, TokenStream)> {
-    let (attribute, item) = description(entry.source, entry.description.name)?;
-    let asked = derivatives.then(|| quote::quote! { derivatives, });
-    Ok((quote::quote! { #asked #attribute }, item))
+/// The text of an entry, which asks for derivatives where they are wanted: the catalogue's ask for none. And which of its structs is the
+/// system: the one of its name, or the first.
+fn described(entry: &Entry, derivatives: bool) -> syn::Result<(Source, Option<String>)> {
+    let source = Source::find(entry.source.parse()?).with_derivatives(derivatives);
+    let names = || source.described().iter().map(|one| one.name.to_string());
+    let name = names().find(|name| name == entry.description.name).or_else(|| names().next());
+    Ok((source, name))
 }
 
 /// With `b"..."` in the place of what nobody can read: programs as bytes, which say what the functions beside them say.
@@ -156,12 +158,8 @@ fn without_bytes(tokens: TokenStream) -> TokenStream {
 }
 
 /// Expands the struct as the macro does, with the steps that were asked for.
-fn expand(
-    attribute: TokenStream,
-    item: TokenStream,
-    retraction: Option<Retraction>,
-) -> syn::Result<TokenStream> {
-    let mut expansion = coadjoint_codegen::expand(attribute, item)?;
+fn expand(source: &Source, name: Option<&str>, retraction: Option<Retraction>) -> syn::Result<TokenStream> {
+    let mut expansion = coadjoint_codegen::expand_in(source, name)?;
     if let Some(retraction) = retraction {
         let requested = match retraction {
             Retraction::Exponential => group::Retraction::Exponential,
@@ -178,50 +176,10 @@ fn expand(
     Ok(expansion.into_tokens())
 }
 
-/// The arguments of the attribute in a system's file, and the struct it stands on: the one of this name, or the first one.
-fn description(source: &str, name: &str) -> syn::Result<(TokenStream, TokenStream)> {
-    let file = syn::parse_file(source)?;
-    let structs = file.items.into_iter().filter_map(|item| match item {
-        Item::Struct(item) => Some(item),
-        _ => None,
-    });
-    let described: Vec<_> =
-        structs.filter_map(|item| Some((item.ident.to_string(), take_attribute(item)?))).collect();
-    let place = described.iter().position(|(found, _)| found == name).unwrap_or(0);
-    described
-        .into_iter()
-        .nth(place)
-        .map(|(_, described)| described)
-        .ok_or_else(|| syn::Error::new(proc_macro2::Span::call_site(), "no struct is described in its file"))
-}
-
-fn take_attribute(mut item: ItemStruct) -> Option<(TokenStream, TokenStream)> {
-    let is_ours = |attribute: &syn::Attribute| {
-        attribute.path().segments.last().is_some_and(|segment| segment.ident == "lie_poisson_system")
-    };
-    let position = item.attrs.iter().position(is_ours)?;
-    let arguments = match item.attrs.remove(position).meta {
-        Meta::List(list) => list.tokens,
-        _ => TokenStream::new(),
-    };
-    Some((arguments, item.into_token_stream()))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::tests::catalogue;
-
-    #[test]
-    fn the_attribute_is_taken_off_the_struct() {
-        let source = "use a::b; struct Other; #[doc = \"x\"] #[m::lie_poisson_system(group = SO3)] struct Body { a: f64 }";
-        let (attribute, item) = description(source, "Body").expect("there is one");
-        assert_eq!(attribute.to_string(), "group = SO3");
-        let item: ItemStruct = syn::parse2(item).expect("a struct");
-        assert_eq!(item.ident, "Body");
-        assert_eq!(item.attrs.len(), 1);
-        assert!(description("struct Other;", "Body").is_err());
-    }
 
     #[test]
     fn every_system_can_be_shown() {
@@ -234,12 +192,6 @@ mod tests {
             assert!(code.contains("impl<T: Scalar> Linearized<T"), "{}", entry.name);
             assert!(code.contains("b\"...\"") && !code.contains("\\x"), "{}", entry.name);
         }
-    }
-    #[test]
-    fn a_struct_is_found_by_its_name() {
-        let source = "#[lie_poisson_system(group = SO3)] struct First { a: f64 } #[lie_poisson_system(group = SO2)] struct Second { a: f64 }";
-        let (attribute, _) = description(source, "Second").expect("there is one");
-        assert_eq!(attribute.to_string(), "group = SO2");
     }
 
     #[test]

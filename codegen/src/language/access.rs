@@ -2,9 +2,10 @@
 
 use proc_macro2::{Delimiter, Group, Literal, TokenStream, TokenTree};
 use quote::ToTokens;
-use syn::{ExprField, ExprIndex, Member};
+use syn::{Expr, ExprField, ExprIndex, Member};
 
 use super::lowering::Lowering;
+use super::methods::has_method;
 use super::value::{COMPONENTS, Element, Value};
 use crate::diagnostics::list;
 
@@ -34,6 +35,16 @@ impl<'a> Lowering<'a, '_> {
                     return at(&base, *place);
                 }
                 let what = base.describe();
+                if has_method(&base, &written) {
+                    return self.fail(name, format!("`{written}` is a method: write `.{written}(…)`"));
+                }
+                if let (Value::Integer(_), Expr::Lit(number)) = (&base, &*field.base) {
+                    let number = number.to_token_stream();
+                    return self.fail(
+                        field,
+                        format!("a number has a digit behind its point: `{number}.0{written}`"),
+                    );
+                }
                 let by_number =
                     if let Value::Vector(_) = base { "; a component by its number is `[0]`" } else { "" };
                 if names.is_empty() {

@@ -11,6 +11,13 @@ use crate::quantity::ScalarType;
 
 impl<'a> Lowering<'a, '_> {
     pub(super) fn literal(&mut self, literal: &Lit) -> Option<Value<'a>> {
+        // a compiler says so too, but there is none where a text is read
+        if let Some((digits, suffix)) = unknown_suffix(literal) {
+            let message = format!(
+                "`{suffix}` is no suffix of a number: a product is written `{digits} * {suffix}`; units stand in `#[unit(\"…\")]`"
+            );
+            return self.fail(literal, message);
+        }
         match literal {
             Lit::Int(integer) if scalar_named(integer.suffix()).is_some() => {
                 self.decimal(integer.base10_digits(), literal)
@@ -54,6 +61,21 @@ impl<'a> Lowering<'a, '_> {
         }
     }
 }
+
+/// The digits and the suffix of a number of which no type has the name of its suffix.
+fn unknown_suffix(literal: &Lit) -> Option<(&str, &str)> {
+    let (digits, suffix) = match literal {
+        Lit::Int(number) => (number.base10_digits(), number.suffix()),
+        Lit::Float(number) => (number.base10_digits(), number.suffix()),
+        _ => return None,
+    };
+    let is_integer = matches!(literal, Lit::Int(_)) && INTEGERS.contains(&suffix);
+    (!suffix.is_empty() && !is_integer && scalar_named(suffix).is_none()).then_some((digits, suffix))
+}
+
+/// The types of integers that Rust has.
+const INTEGERS: [&str; 12] =
+    ["i8", "i16", "i32", "i64", "i128", "isize", "u8", "u16", "u32", "u64", "u128", "usize"];
 
 /// Whether a type of integers holds this one.
 fn holds(ty: &Type, integer: i64) -> bool {

@@ -84,7 +84,7 @@ impl<'a, 's> Lowering<'a, 's> {
             // values and references to them are the same to mathematics
             Expr::Reference(inner) => self.lower(&inner.expr),
             Expr::Unary(unary) => match unary.op {
-                UnOp::Deref(_) => self.lower(&unary.expr),
+                UnOp::Deref(star) => self.dereferenced(star, &unary.expr),
                 UnOp::Neg(sign) => {
                     let value = self.lower(&unary.expr)?;
                     self.negated(value, sign)
@@ -157,6 +157,25 @@ impl<'a, 's> Lowering<'a, 's> {
         Value::Scalar(self.scope.constant(path, self.arena))
     }
 
+    /// What a name refers to that is an argument or a variable: of all others a compiler says that they are no references.
+    fn dereferenced(&mut self, star: syn::Token![*], of: &Expr) -> Option<Value<'a>> {
+        let mut inner = of;
+        while let Expr::Paren(syn::ExprParen { expr, .. }) | Expr::Group(syn::ExprGroup { expr, .. }) = inner
+        {
+            inner = expr;
+        }
+        let is_local = |path: &ExprPath| {
+            let name = path.path.get_ident().map(|ident| ident.unraw().to_string());
+            name.is_some_and(|name| self.locals.iter().any(|(local, _)| *local == name))
+        };
+        if matches!(inner, Expr::Lit(_) | Expr::Field(_) | Expr::Unary(_))
+            || matches!(inner, Expr::Path(path) if !is_local(path))
+        {
+            return self.fail(star, NO_REFERENCE);
+        }
+        self.lower(of)
+    }
+
     /// Constructs without a symbolic meaning.
     fn other(&mut self, expr: &Expr) -> Option<Value<'a>> {
         match expr {
@@ -201,6 +220,10 @@ impl<'a, 's> Lowering<'a, 's> {
         self.fail(tokens, message)
     }
 }
+
+/// What is said where `*` stands before what is no reference.
+pub(super) const NO_REFERENCE: &str =
+    "`*` stands between two factors; a power is `x.powi(2)`, or `x.powf(y)`";
 
 /// Whether a name is written as Rust writes constants.
 fn is_constant(name: &str) -> bool {

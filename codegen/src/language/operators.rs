@@ -1,9 +1,9 @@
 //! `+ - * /` and the sign, typed as Rust and nalgebra type them.
 
 use quote::ToTokens;
-use syn::{BinOp, Expr, ExprBinary};
+use syn::{BinOp, Expr, ExprBinary, ExprUnary, UnOp};
 
-use super::lowering::Lowering;
+use super::lowering::{Lowering, NO_REFERENCE};
 use super::value::Value;
 use crate::expr::Expr as Symbolic;
 
@@ -59,7 +59,10 @@ impl<'a> Lowering<'a, '_> {
         }
         let mut value = self.lower(&innermost.left);
         for link in chain.into_iter().rev() {
-            let right = self.lower(&link.right);
+            let right = match is_power(link) {
+                true => self.fail(link.op, NO_REFERENCE),
+                false => self.lower(&link.right),
+            };
             let Some(operation) = Operation::of(&link.op) else {
                 value = match (&link.op, &value, &right) {
                     // as places in a ring of elements are told: `(i + 1) % 4`
@@ -192,6 +195,17 @@ pub(super) fn scaled<'a>(value: &Value<'a>, factor: Symbolic<'a>) -> Option<Valu
 }
 
 /// A sum or difference of vectors or matrices of the same shape.
+/// Whether `x ** y` is written, which is a product with what `y` refers to.
+fn is_power(product: &ExprBinary) -> bool {
+    let (BinOp::Mul(star), Expr::Unary(ExprUnary { op: UnOp::Deref(next), .. })) =
+        (&product.op, &*product.right)
+    else {
+        return false;
+    };
+    let [star, next] = [star.spans[0].byte_range(), next.spans[0].byte_range()];
+    !star.is_empty() && star.end == next.start
+}
+
 fn entrywise<'a>(operation: Operation, left: &Value<'a>, right: &Value<'a>) -> Option<Value<'a>> {
     match (left, right) {
         (Value::Vector(left), Value::Vector(right)) if left.len() == right.len() => {

@@ -580,10 +580,10 @@ fn parameter(input: ParseStream<'_>, name: &Ident, method: &'static Method) -> s
             let content;
             parenthesized!(content in input);
             let order: LitInt = content.parse()?;
-            let order: u32 = order.base10_parse()?;
+            let (order, is_plain) = (order.base10_parse::<u32>()?, order.suffix().is_empty());
             // all of it is read, or syn complains about the rest
             let rest: proc_macro2::TokenStream = content.parse()?;
-            (rest.is_empty() && method.orders.contains(&order))
+            (rest.is_empty() && is_plain && method.orders.contains(&order))
                 .then(|| method.of_order(order))
                 .ok_or_else(|| content.error(""))
         };
@@ -598,8 +598,9 @@ fn parameter(input: ParseStream<'_>, name: &Ident, method: &'static Method) -> s
     let numerator: LitInt = content.parse()?;
     content.parse::<Token![,]>()?;
     let denominator: LitInt = content.parse()?;
+    let is_plain = [&numerator, &denominator].iter().all(|number| number.suffix().is_empty());
     let member = Member::new(numerator.base10_parse()?, denominator.base10_parse()?);
-    member.map(|member| method.member(member)).ok_or_else(|| {
+    member.filter(|_| is_plain).map(|member| method.member(member)).ok_or_else(|| {
         let message =
             format!("the parameter s of a method is a fraction between 0 and 1: `{name}(1, 4)` is s = 1/4");
         syn::Error::new_spanned(name, message)

@@ -40,7 +40,7 @@ impl Parse for FactorName {
         let brackets = bracketed!(content in input);
         let literal: LitInt = content.parse().explained(&message)?;
         let value = literal.base10_parse().explained(&message)?;
-        if !content.is_empty() {
+        if !content.is_empty() || !literal.suffix().is_empty() {
             return Err(content.error("")).explained(message);
         }
         Ok(Self { ident, index: Some(Index { brackets, literal, value }) })

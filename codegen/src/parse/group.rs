@@ -206,6 +206,9 @@ fn basis_matrix(input: ParseStream<'_>) -> syn::Result<BasisMatrix> {
         let entry: LitInt = content.parse().explained(
             "expected a whole number, as in `[1, 0; 0, -1]`; of halves write the double, and scale the coordinate",
         )?;
+        if !entry.suffix().is_empty() {
+            return Err(syn::Error::new_spanned(&entry, "expected a whole number without a suffix"));
+        }
         let value = i64::from(entry.base10_parse::<i32>()?);
         if let Some(row) = rows.last_mut() {
             row.push(if negative { -value } else { value });

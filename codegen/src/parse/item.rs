@@ -114,6 +114,10 @@ impl Item {
                     let doc =
                         docs(&field.attrs).into_iter().find(|line| !line.is_empty()).unwrap_or_default();
                     let (ty, lints) = (field.ty.clone(), lints(&field.attrs));
+                    if fields.iter().any(|known: &Field| known.name == name) {
+                        diagnostics.push(&name, format!("`{name}` is the name of a field before"));
+                        continue;
+                    }
                     fields.push(Field { name, shape, length, scalar, inertia, unit, doc, ty, lints });
                 }
                 Err(error) => {

@@ -71,7 +71,12 @@ pub(super) fn array_length(length: &Expr) -> syn::Result<usize> {
 fn size(literal: &Expr) -> Option<usize> {
     let Expr::Lit(literal) = literal else { return None };
     let Lit::Int(literal) = &literal.lit else { return None };
-    literal.base10_parse().ok().filter(|size| (1..=LARGEST).contains(size))
+    let suffix = literal.suffix();
+    literal
+        .base10_parse()
+        .ok()
+        .filter(|_| suffix.is_empty() || suffix == "usize")
+        .filter(|size| (1..=LARGEST).contains(size))
 }
 
 /// The shape and scalar type that a path's segment names, as `Vector3<f64>` or `SVector::<f64, 4>` do.

@@ -582,3 +582,40 @@ fn problems_know_their_line_and_column() {
     let (start, end) = (error.span().start(), error.span().end());
     assert_eq!((start.line, start.column, end.line, end.column), (3, 8, 3, 15));
 }
+
+#[test]
+fn what_a_compiler_would_refuse_is_refused() {
+    // read as products with what a reference leads to
+    let no_reference = "`*` stands between two factors; a power is `x.powi(2)`";
+    for (text, at) in [
+        ("a ** 2", "*"),
+        ("a ** 2.0 * weight", "*"),
+        ("a ** weight", "*"),
+        ("a * *2", "*"),
+        ("a * *weight", "*"),
+        ("a * *chi.x", "*"),
+        ("a + *weight", "*"),
+        ("**a", "*"),
+        ("a * *(2)", "*"),
+        ("{ let r = gamma.norm(); r ** 2 }", "*"),
+        ("{ let (r, n) = (a, 2.0); r ** n }", "*"),
+    ] {
+        complains(text, &[(at, no_reference)]);
+    }
+    // suffixes of types that there are not
+    complains(
+        "2weight * a",
+        &[("2weight", "`weight` is no suffix of a number: a product is written `2 * weight`")],
+    );
+    complains(
+        "2.5e3kg * a",
+        &[("2.5e3kg", "`kg` is no suffix of a number: a product is written `2.5e3 * kg`")],
+    );
+    complains("a.powi(2k)", &[("2k", "`k` is no suffix of a number")]);
+    complains("chi[0k]", &[("0k", "`k` is no suffix of a number")]);
+    complains("a.abs", &[("abs", "`abs` is a method: write `.abs(…)`")]);
+    complains("gamma.norm", &[("norm", "`norm` is a method: write `.norm(…)`")]);
+    complains("2.e3 * a", &[("2.e3", "a number has a digit behind its point: `2.0e3`")]);
+    // and what it would take
+    complains("lengths.iter().map(|l| a * *l).sum::<f64>() + 2f64 * a + a.powi(2i32) + chi[0usize]", &[]);
+}

@@ -258,7 +258,7 @@ fn expressions() -> String {
          `transform_vector`.\n\
          * Constructors: `vector![x, y]`, `matrix![a, b; c, d]`, and of the types of nalgebra {}.\n\
          * Functions of your own, `density(position.z)` or `air::density(position.z)`, with [`#[expression]`](crate::expression) above them.\n\
-         * Tables: `thrust.spline(from, to, x)` of an array of numbers, [a curve](crate::Spline) through its values. Beyond `from` and `to` it \
+         * Tables: `thrust.spline(from, to, x)` of an array of numbers, [a curve](crate::Spline) through its values, the natural cubic spline. Beyond `from` and `to` it \
          goes on along the straight lines at its ends, without a note; `x.clamp(from, to)` in place of `x` holds the values there. A step \
          fails that needs it where `to` is `from`, which is an error where both are numbers.\n\
          * Points: {} of `Point2` and `Point3`; `p - q` is a vector, `p + v` a point, `p.coords` the vector to it.\n\

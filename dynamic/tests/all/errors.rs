@@ -114,3 +114,51 @@ fn a_long_line_is_shown_in_part() {
     );
     insta::assert_snapshot!(said(&text));
 }
+
+#[test]
+fn what_a_compiler_would_refuse_is_refused() {
+    let refused = [
+        (
+            "#[lie_poisson_system(group = R1, potential = k * position.x) * (position.x)]
+struct A { #[inertia] m: f64, k: f64 }",
+            "top.rs:1:62",
+            "the attribute ends before this",
+        ),
+        (
+            "#[lie_poisson_system(group = R1, potential = k * position.x)]
+#[lie_poisson_system(group = R1, potential = 2.0 * k * position.x)]
+struct A { #[inertia] m: f64, k: f64 }",
+            "top.rs:2:1",
+            "a struct is described once",
+        ),
+        (
+            "#[lie_poisson_system(group = R1, potential = k * position.x)]
+struct A { #[inertia] m: f64, k: f64, k: f64 }",
+            "top.rs:2:39",
+            "`k` is the name of a field before",
+        ),
+        (
+            "const G: f64 = 9.81kg;
+#[lie_poisson_system(group = R1, potential = m * G * position.x)]
+struct A { #[inertia] m: f64 }",
+            "top.rs:1:16",
+            "",
+        ),
+        (
+            "#[lie_poisson_system(group = R1, methods(HamiltonJacobi(6k)))]
+struct A { #[inertia] m: f64 }",
+            "top.rs:1:42",
+            "takes the order of the step",
+        ),
+        (
+            "#[lie_poisson_system(group = R1, potential = k * (position.x − 1.0))]
+struct A { #[inertia] m: f64, k: f64 }",
+            "top.rs:1:62",
+            "`−` is no sign of Rust: write `-`",
+        ),
+    ];
+    for (text, place, message) in refused {
+        let said = said(text);
+        assert!(said.contains(place) && said.contains(message), "{said}");
+    }
+}

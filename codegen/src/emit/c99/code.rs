@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::names::{ident, places, value};
+use super::names::{places, value};
 use crate::program::{
     Argument, Elementary, Function, Input, Interface, RecordKind, Statement, Term, Value, Values,
 };
@@ -27,6 +27,8 @@ pub(super) struct Spelling<'s> {
     pub(super) interface: &'s Interface,
     /// How many Stumpff functions are computed together wherever there are any, if these are always as many: code that is there once.
     pub(super) family: Option<usize>,
+    /// The values of the constants.
+    pub(super) constants: &'s [f64],
 }
 
 /// How tightly an operator binds.
@@ -137,12 +139,7 @@ impl Spelling<'_> {
         match argument.input {
             Input::Parameters => {
                 let mut all: Vec<String> = of("parameters", places(&interface.parameters));
-                all.extend(
-                    interface
-                        .constants
-                        .iter()
-                        .map(|constant| format!("parameters->{}", ident(&constant.name))),
-                );
+                all.extend(self.constants.iter().map(|value| self.number(*value)));
                 all
             }
             Input::State => of("state", places(&interface.state)),

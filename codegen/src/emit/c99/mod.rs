@@ -41,6 +41,8 @@ pub struct Options {
     pub compact: bool,
     /// Whether there are functions for CUDA and HIP that take steps of many members, a thread each.
     pub kernels: bool,
+    /// The values of the [constants](crate::program::Interface::constants) that the description names, as [`derived`](crate::derived) finds them.
+    pub constants: Vec<f64>,
 }
 
 /// Steps of one kind.
@@ -56,7 +58,7 @@ pub struct Steps {
 /// Why there is no header.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Error {
-    /// The description names constants of its own crate.
+    /// The description names constants of its own crate, whose values were not given.
     Constants(Vec<String>),
     /// No such step was generated.
     NoStep {
@@ -144,10 +146,10 @@ impl Options {
 /// A header.
 ///
 /// # Errors
-/// If a step is asked for that the program does not have, or the description names constants of its own crate.
+/// If a step is asked for that the program does not have, or the description names constants of its own crate whose values are not given.
 pub fn header(program: &Program, options: &Options) -> Result<String, Error> {
     let interface = &program.interface;
-    if !interface.constants.is_empty() {
+    if interface.constants.len() != options.constants.len() {
         return Err(Error::Constants(
             interface.constants.iter().map(|constant| constant.path.clone()).collect(),
         ));
@@ -166,7 +168,7 @@ pub fn header(program: &Program, options: &Options) -> Result<String, Error> {
         special.families = family.into_iter().collect();
     }
     let scalar = options.scalar.unwrap_or(interface.scalar);
-    let spelling = Spelling { prefix: &prefix, scalar, interface, family };
+    let spelling = Spelling { prefix: &prefix, scalar, interface, family, constants: &options.constants };
     let is_timed = |place: usize| {
         let begin = program.steps[place].module.function(StepRole::Begin);
         begin.is_some_and(|begin| code::uses(begin, Input::Time))

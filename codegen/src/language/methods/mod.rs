@@ -55,6 +55,21 @@ pub fn methods() -> [(&'static str, Vec<String>); 4] {
     all.map(|(what, methods)| (what, methods.iter().map(Method::call).collect()))
 }
 
+/// The methods of numbers, or of vectors or matrices of them.
+fn methods_of(receiver: &Value<'_>) -> &'static [Method] {
+    match receiver {
+        Value::Scalar(_) => scalar::METHODS,
+        Value::Vector(_) => tensor::VECTOR_METHODS,
+        Value::Matrix(_) => tensor::MATRIX_METHODS,
+        _ => &[],
+    }
+}
+
+/// Whether a value has a method of this name.
+pub(super) fn has_method(receiver: &Value<'_>, name: &str) -> bool {
+    methods_of(receiver).iter().any(|known| known.name == name)
+}
+
 impl<'a> Lowering<'a, '_> {
     /// `receiver.method(arguments)`
     pub(super) fn method_call(&mut self, call: &ExprMethodCall) -> Option<Value<'a>> {
@@ -94,9 +109,7 @@ impl<'a> Lowering<'a, '_> {
             return Some(receiver.clone());
         }
         let methods: &[Method] = match receiver {
-            Value::Scalar(_) => scalar::METHODS,
-            Value::Vector(_) => tensor::VECTOR_METHODS,
-            Value::Matrix(_) => tensor::MATRIX_METHODS,
+            Value::Scalar(_) | Value::Vector(_) | Value::Matrix(_) => methods_of(receiver),
             Value::Integer(_) => {
                 let message = "methods of integers are not supported; write the number as a float, `2.0`";
                 return self.fail(method, message);
