@@ -442,8 +442,11 @@ impl System {
         let controls: Vec<Vec<f64>> =
             if inputs == 0 { vec![] } else { controls.chunks_exact(inputs).map(<[f64]>::to_vec).collect() };
         let scheme = self::scheme(scheme)?;
+        // where a table or a ramp of time begins there is a kink, and mostly that is zero
+        let is_timed = !self.of().description().autonomous;
+        let time = if is_timed { 25.25 * step.unwrap_or(0.01) } else { 0.0 };
         let report = py
-            .detach(|| certify_erased(self.of(), &scheme, &states, &controls, step))
+            .detach(|| certify_erased(self.of(), &scheme, &states, &controls, time, step))
             .map_err(error::value)?;
         let certificates = PyList::empty(py);
         for one in &report.certificates {

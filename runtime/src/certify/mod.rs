@@ -208,8 +208,8 @@ impl<'a, S: Geometry<Scalar = f64>> Certification<'a, S> {
     }
 }
 
-/// Certifies the steps that a scheme takes of a system whose type is erased, at sample states, each with a control, from the time 0; with this
-/// step, or with one that follows from the motion at the states.
+/// Certifies the steps that a scheme takes of a system whose type is erased, at sample states, each with a control, from this time on; with this
+/// step, or with one that follows from the motion at the states. At the time the equations of motion have to be smooth.
 ///
 /// # Errors
 /// As [`Certification::run`], or if the scheme's steps were not generated.
@@ -218,9 +218,10 @@ pub fn certify_erased(
     scheme: &Scheme,
     states: &[Vec<f64>],
     controls: &[Vec<f64>],
+    time: f64,
     step: Option<f64>,
 ) -> Result<Report, CertifyError> {
-    let subject = Subject { system, states: states.to_vec(), controls: controls.to_vec(), time: 0.0, step };
+    let subject = Subject { system, states: states.to_vec(), controls: controls.to_vec(), time, step };
     certified(system, scheme, &subject, &|step| erased::method(scheme, system, step))
 }
 

@@ -155,7 +155,7 @@ fn certificates_are_the_same() {
             let scheme = scheme.parse().expect("a scheme");
             let certificate = |system: &Arc<dyn EnsembleSystem>| {
                 let states = [entry.example.state.clone()];
-                let report = certify_erased(&**system, &scheme, &states, &[], Some(entry.step));
+                let report = certify_erased(&**system, &scheme, &states, &[], 0.0, Some(entry.step));
                 report.expect("certificates").to_string()
             };
             for dynamic in &dynamic {

@@ -96,7 +96,7 @@ fn compositions_of_order_six_keep_what_they_claim() {
         let controls: Vec<Vec<f64>> =
             if law.is_some() { states.iter().map(control).collect() } else { Vec::new() };
         let system = entry.system(&setup.parameters);
-        let report = certify_erased(&*system, &scheme, &states, &controls, entry.certified_step);
+        let report = certify_erased(&*system, &scheme, &states, &controls, 0.0, entry.certified_step);
         let report = report.expect("measured");
         assert!(report.passed(), "{report}");
         assert!(report.certificates.len() >= 10, "{report}");

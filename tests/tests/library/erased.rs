@@ -482,7 +482,8 @@ fn certificates_are_the_same() {
     let certification = Certification::new(&system).states(&[state]).step(0.05);
     let same = |typed: Result<Report, CertifyError>, scheme: &Scheme, name: &str| {
         let typed = typed.unwrap();
-        let other = certify_erased(&system, scheme, std::slice::from_ref(&numbers), &[], Some(0.05)).unwrap();
+        let other =
+            certify_erased(&system, scheme, std::slice::from_ref(&numbers), &[], 0.0, Some(0.05)).unwrap();
         assert_eq!((other.to_string(), other.properties), (typed.to_string(), typed.properties));
         assert_eq!((other.scheme.as_deref(), &*scheme.to_string()), (Some(name), name));
         assert!(other.passed(), "{other}");
@@ -513,7 +514,7 @@ fn certificates_are_the_same() {
     let certification = Certification::new(&system).states(&[state]).controls(&[control]).step(0.05);
     let typed = certification.run::<Midpoint<Cayley>>().unwrap();
     let scheme = Scheme::member(RetractionKind::Cayley, 1, 2);
-    let other = certify_erased(&system, &scheme, &[numbers], &[vec![9.0]], Some(0.05)).unwrap();
+    let other = certify_erased(&system, &scheme, &[numbers], &[vec![9.0]], 0.0, Some(0.05)).unwrap();
     assert_eq!(other.to_string(), typed.to_string());
     let jumps = typed.certificate("control jumps").unwrap();
     assert!(jumps.figure > 0.0 && typed.passed(), "{typed}");
@@ -538,7 +539,7 @@ fn certificates_fail_for_the_same_reasons() {
     let numbers = state.to_components().to_vec();
     let scheme = Scheme::member(RetractionKind::Cayley, 1, 2);
     let refused = |system: &dyn erased::System, numbers: &[f64], step: f64| {
-        certify_erased(system, &scheme, &[numbers.to_vec()], &[], Some(step)).unwrap_err()
+        certify_erased(system, &scheme, &[numbers.to_vec()], &[], 0.0, Some(step)).unwrap_err()
     };
     let typed = |system: &Top, state: TopState, step: f64| {
         Certification::new(system).states(&[state]).step(step).run::<Midpoint<Cayley>>().unwrap_err()
@@ -579,7 +580,7 @@ fn what_was_not_generated_is_said() {
         ("Family<Cayley, 1, 4>", "Top", "methods")
     );
     let numbers = state.to_components().to_vec();
-    let error = certify_erased(&system, &scheme, &[numbers], &[], None).unwrap_err();
+    let error = certify_erased(&system, &scheme, &[numbers], &[], 0.0, None).unwrap_err();
     assert_eq!(error, CertifyError::NotGenerated(missing));
     // by the key of the description that asks for it
     let satellite = Satellite { inertia: vector![1.0, 2.0, 2.5] };
