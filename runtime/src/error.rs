@@ -29,7 +29,7 @@ pub enum ParameterError {
     },
     /// An inertia is not positive definite: some motion would have no or negative kinetic energy.
     #[error(
-        "inertia `{name}` is not positive definite: it, or pivot {index} of its LDLᵀ factorization, is {pivot}"
+        "inertia `{name}` is not positive definite: its moment {index}, or of a matrix pivot {index} of its LDLᵀ factorization, counted from 0, is {pivot}"
     )]
     NotPositiveDefinite {
         /// The field's name.

@@ -7,6 +7,8 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::program;
+#[cfg(feature = "description")]
+use crate::catalogue::snake_case;
 use crate::catalogue::{Catalogue, Entry};
 use crate::error::{Error, SetupError};
 
@@ -85,6 +87,10 @@ fn described(file: &std::path::Path, system: Option<&str>) -> Result<Entry, Erro
     let names = coadjoint_dynamic::names(&text, &name).map_err(wrong)?;
     let plain = |name: &str| name.to_lowercase().replace(['_', '-', ' '], "");
     let chosen = system.and_then(|system| names.iter().find(|name| plain(name) == plain(system)));
+    if let (Some(system), None, [_, ..]) = (system, chosen, &names[..]) {
+        let names = names.iter().map(|name| snake_case(name)).collect::<Vec<_>>().join(", ");
+        return Err(SetupError::new(format!("{name} describes {names}, and no `{system}`")).into());
+    }
     let model = Model::from_file(&text, &name, chosen.map(String::as_str)).map_err(wrong)?;
     for warning in model.shown_warnings() {
         // if standard error is closed, the run is not

@@ -50,7 +50,9 @@ pub(crate) fn init(
     // it is written to be edited: the same one would be a loss too
     write_new(&path, config::example(entry).as_bytes(), arguments.force)?;
     if !is_stdout(&path) {
-        writeln!(console, "wrote {}; run it with `{} run --config {0}`", path.display(), program())?;
+        let described = entry.file.as_ref().map(|file| format!(" --description {}", file.display()));
+        let (path, described) = (path.display(), described.unwrap_or_default());
+        writeln!(console, "wrote {path}; run it with `{} run --config {path}{described}`", program())?;
     }
     Ok(())
 }

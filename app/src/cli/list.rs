@@ -3,6 +3,7 @@
 use std::io::Write;
 
 use clap::Args;
+use coadjoint::erased;
 use coadjoint::system::{Kind, Quantity};
 use serde_json::{Value, json};
 
@@ -11,7 +12,7 @@ use super::description::DescriptionArguments;
 use super::program;
 use crate::catalogue::{Catalogue, Entry, casimir, unit};
 use crate::error::Error;
-use crate::setup::{Method, Order, Retraction};
+use crate::setup::{Method, Order, Retraction, Tolerance};
 use crate::simulate::{has_method, usual_method};
 use crate::units::{exact, with_unit, wrapped};
 
@@ -145,6 +146,10 @@ fn methods(entry: &Entry) -> Vec<String> {
     };
     let orders = Order::ALL.into_iter().filter(is_there).map(|order| order.number());
     names.extend(orders.map(|order| format!("{} (order {order})", Method::HamiltonJacobi)));
+    let system = entry.system(&entry.example.parameters);
+    if erased::Adaptive::new(system, Tolerance::USUAL.value()).is_ok() {
+        names.push("taylor (--tolerance)".to_owned());
+    }
     names
 }
 

@@ -65,12 +65,15 @@ pub(super) fn scan(
     })?;
     let words = console.words();
     write!(words, "{}", shown(entry, &scans, &rows))?;
-    let runs = grouped(rows.len() as u64);
+    let runs = match rows.len() {
+        1 => "1 run".to_owned(),
+        many => format!("{} runs", grouped(many as u64)),
+    };
     let length = match scans.iter().any(|scan| scan.is_step) {
         true => format!("{} s", exact(job.duration())),
         false => format!("{} steps", grouped(job.total())),
     };
-    writeln!(words, "{runs} runs of {length} in {seconds:.2} s on {threads} threads")?;
+    writeln!(words, "{runs} of {length} in {seconds:.2} s on {threads} threads")?;
     console.wrote(&written)?;
     Ok(scan::none_left(&rows)?)
 }

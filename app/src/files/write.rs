@@ -52,12 +52,18 @@ impl NewFile {
             }
             let name = place.file_name().filter(|_| !place.is_dir()).ok_or(io::ErrorKind::IsADirectory)?;
             let directory = place.parent().filter(|directory| !directory.as_os_str().is_empty());
+            let directory = directory.unwrap_or(Path::new("."));
+            // said before the name of the temporary file would be
+            if !directory.is_dir() {
+                let message = format!("there is no directory {}", directory.display());
+                return Err(io::Error::new(io::ErrorKind::NotFound, message));
+            }
             let prefix = format!(".{}.", name.to_string_lossy());
             let mut builder = tempfile::Builder::new();
             builder.prefix(&prefix).suffix(TEMPORARY);
             #[cfg(unix)]
             builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-            let file = builder.tempfile_in(directory.unwrap_or(Path::new(".")))?;
+            let file = builder.tempfile_in(directory)?;
             BEGUN.lock().unwrap_or_else(PoisonError::into_inner).push(file.path().to_owned());
             Ok((place, Sink::Temporary(file)))
         };
@@ -164,6 +170,9 @@ pub fn write_new(path: &Path, content: &[u8], force: bool) -> Result<(), FileErr
 /// If that cannot be done.
 pub(crate) fn make_directory_of(path: &Path) -> Result<(), FileError> {
     match path.parent().filter(|directory| !directory.as_os_str().is_empty()) {
+        Some(file) if file.exists() && !file.is_dir() => {
+            Err(io::ErrorKind::NotADirectory.into()).map_err(FileError::write(file))
+        }
         Some(directory) => std::fs::create_dir_all(directory).map_err(FileError::write(directory)),
         None => Ok(()),
     }

@@ -1,6 +1,6 @@
 //! Runs described in a TOML file: `coadjoint init` writes one, `coadjoint run --config` reads it.
 
-use coadjoint::system::Quantity;
+use coadjoint::system::{Quantity, Role};
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{self, Read};
@@ -236,7 +236,7 @@ fn write_example(text: &mut String, entry: &Entry) -> std::fmt::Result {
     let Entry { name, about, step, duration, .. } = entry;
     let rest = match &entry.file {
         Some(file) => {
-            format!("Add `--description {}` to that. The numbers below stand for yours.", file.display())
+            format!("Add `--description {}` to that, and numbers below where there are dots.", file.display())
         }
         None => "What is left out has the value of the system's example.".to_owned(),
     };
@@ -277,8 +277,8 @@ plot = false                 # draw the run too
         ("state", entry.description.state, &setup.state),
     ] {
         // each control is a remark: unless it is set, the system's own law chooses it
-        let is_remark = section == "controls";
-        match is_remark {
+        let is_control = section == "controls";
+        match is_control {
             _ if quantities.is_empty() => {}
             true => {
                 writeln!(text, "\n# [controls] # to be held in place of what the system's own law chooses")?
@@ -287,10 +287,14 @@ plot = false                 # draw the run too
         }
         for (quantity, slots) in Quantity::with_ranges(quantities) {
             let (name, components) = (quantity.name, quantity.components);
-            if !quantity.doc.is_empty() && !is_remark {
+            // a run asks for what has no value by itself
+            let is_asked = !entry.has_example && matches!(quantity.role, Role::Parameter | Role::Advected);
+            let is_remark = is_control || is_asked;
+            if !quantity.doc.is_empty() && !is_control {
                 writeln!(text, "# {}", quantity.doc)?;
             }
-            let list: Vec<String> = values[slots].iter().map(|x| format!("{:?}", x + 0.0)).collect();
+            let number = |x: &f64| if is_asked { "…".to_owned() } else { format!("{:?}", x + 0.0) };
+            let list: Vec<String> = values[slots].iter().map(number).collect();
             let (list, names) = (list.join(", "), components.join(", "));
             match (is_remark, components == [""]) {
                 (true, true) => writeln!(text, "# {name} = {list}")?,

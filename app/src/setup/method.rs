@@ -49,7 +49,7 @@ pub struct Tolerance(u64);
 
 impl Tolerance {
     /// That of `taylor` alone, `1e-12`.
-    const USUAL: Self = Self(1e-12_f64.to_bits());
+    pub(crate) const USUAL: Self = Self(1e-12_f64.to_bits());
 
     /// Its value, if it is one.
     pub fn new(tolerance: f64) -> Option<Self> {

@@ -376,7 +376,7 @@ fn errors_read_well() {
     let error = HeavyTop { inertia: vector![1.0, -2.0, 3.0], ..top() }.validate().expect_err("negative");
     assert_eq!(
         text(&error),
-        "inertia `inertia` is not positive definite: it, or pivot 1 of its LDLᵀ factorization, is -2"
+        "inertia `inertia` is not positive definite: its moment 1, or of a matrix pivot 1 of its LDLᵀ factorization, counted from 0, is -2"
     );
     let error = top().stepper::<Cayley>(0.0).expect_err("no step");
     assert_eq!(text(&error), "the step must be finite and not zero, got 0");

@@ -322,7 +322,7 @@ fn identity(quantity: &Quantity) -> Vec<f64> {
 }
 
 /// `heavy_top` for `HeavyTop`, `heavy_top_on_se3` for `HeavyTopOnSE3`.
-fn snake_case(name: &str) -> String {
+pub(crate) fn snake_case(name: &str) -> String {
     let mut snake = String::new();
     let mut before: Option<char> = None;
     for letter in name.chars() {

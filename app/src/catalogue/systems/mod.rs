@@ -10,6 +10,8 @@ pub mod suggest;
 
 use std::sync::{Arc, OnceLock};
 
+#[cfg(feature = "description")]
+pub(crate) use entry::snake_case;
 pub use entry::{BuildFn, ControlLaw, Entry, Setup};
 pub use input::{Input, Interpolation};
 pub use observable::Observable;

@@ -65,8 +65,18 @@ fn files_of_a_described_system_say_where_it_is_described() {
     assert_eq!(scratch.read("out/my_top-exponential.csv"), table);
 
     // a file of the run, to be edited
-    scratch.prints(&["init", "my_top", "--description", "my_top.rs", "--out", "run.toml"]);
-    assert!(scratch.read("run.toml").contains("--description my_top.rs"));
+    let said = scratch.prints(&["init", "my_top", "--description", "my_top.rs", "--out", "run.toml"]);
+    assert!(said.contains("run --config run.toml --description my_top.rs"), "{said}");
+    let begun = scratch.read("run.toml");
+    assert!(begun.contains("--description my_top.rs"));
+    // what has no value by itself is asked for
+    let run = ["run", "--description", "my_top.rs", "--config", "run.toml"];
+    let refused = text(&scratch.coadjoint(&run).stderr);
+    assert!(refused.contains("--set inertia=…,…,…") && refused.contains("--set gamma=…,…,…"), "{refused}");
+    let filled = begun.replace("# inertia = […, …, …]", "inertia = [1, 10, 100]");
+    let filled = filled.replace("# weight = …", "weight = 1").replace("# chi = […, …, …]", "chi = [0, 0, 1]");
+    fs::write(scratch.path("run.toml"), filled.replace("# gamma = […, …, …]", "gamma = [0, 0, 1]"))
+        .expect("written");
     scratch.prints(&[
         "run",
         "--description",
@@ -167,4 +177,39 @@ fn taylor_steps_miss_no_event_between_the_times_of_steps() {
     let never = with(&run, &["--duration", "2", "--until", "near, falling", "--out", "never"]);
     let never = scratch.prints(&never);
     assert!(never.contains("comes in none of 1 steps"), "{never}");
+}
+
+#[test]
+fn a_name_that_the_file_does_not_describe_is_refused() {
+    let scratch = Scratch::new("described_otherwise");
+    scratch.prints(&["init", "--description", "my_top.rs"]);
+    for command in [&["run", "heavy_top"][..], &["init", "boat"], &["show", "kepler"]] {
+        let refused = scratch.coadjoint(&with(command, &["--description", "my_top.rs"]));
+        let (said, name) = (text(&refused.stderr), command[1]);
+        assert_eq!(refused.status.code(), Some(2), "{said}");
+        assert!(said.contains(&format!("my_top.rs describes my_top, and no `{name}`")), "{said}");
+    }
+}
+
+#[test]
+fn headers_know_what_stands_beside_the_struct() {
+    let scratch = Scratch::new("described_beside");
+    let described = "const G: f64 = 2.0 * 4.905;
+#[expression]
+fn density(z: f64) -> f64 { 1.2 * (-z / 50.0).exp() }
+lie_group! { pub Areas = matrices { a: [1, 0; 0, -1], b: [0, 1; 0, 0], c: [0, 0; 1, 0] } }
+#[lie_poisson_system(group = R1, potential = m * G * position.x, force = -k * density(position.x) * velocity)]
+struct Falling { #[inertia] m: f64, k: f64 }
+#[lie_poisson_system(group = Areas!)]
+struct Turning { #[inertia] inertia: Vector3<f64> }
+";
+    fs::write(scratch.path("beside.rs"), described).expect("written");
+    for name in ["falling", "turning"] {
+        for language in ["c", "cuda", "rust"] {
+            let show = ["show", name, "--description", "beside.rs", "--language", language];
+            let code = scratch.prints(&show);
+            assert!(code.len() > 2_000, "{code}");
+            assert!(language != "c" || name != "falling" || code.contains("= 9.81;"), "{code}");
+        }
+    }
 }
