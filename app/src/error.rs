@@ -126,6 +126,15 @@ pub enum RunError {
         /// The step with which the angle is π, s.
         step: f64,
     },
+    /// A step could not be taken of a system that is written piece by piece.
+    #[error(
+        "{source}. Where a force jumps, as `signum` does, a step that ends near the jump may have no solution, however short it is: write it \
+         smooth, `(k * v).tanh()` for `v.signum()`, or take Taylor steps, `--tolerance`"
+    )]
+    Piecewise {
+        /// The step that could not be taken.
+        source: coadjoint::RunError,
+    },
     /// A certificate could not be measured.
     #[error(transparent)]
     Certificate(#[from] CertifyError),

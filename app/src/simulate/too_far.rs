@@ -1,4 +1,4 @@
-//! Steps that turn farther than their retraction reaches, or than it follows well.
+//! Steps that turn farther than their retraction reaches, or than it follows well; and those that a jump of the force stops.
 
 use std::f64::consts::PI;
 
@@ -17,6 +17,10 @@ pub(super) fn explained(
     state: &[f64],
     job: &Job,
 ) -> RunError {
+    let is_unsolved = matches!(source.cause, StepError::NoConvergence { .. } | StepError::NoSolution { .. });
+    if is_unsolved && system.description().piecewise && !matches!(job.method, Method::Taylor(_)) {
+        return RunError::Piecewise { source };
+    }
     let is_equation = matches!(source.cause, StepError::NoConvergence { .. } | StepError::OutsideDomain);
     if !is_equation || job.retraction != Retraction::Exponential || !job.method.has_retraction() {
         return source.into();

@@ -213,3 +213,22 @@ struct Turning { #[inertia] inertia: Vector3<f64> }
         }
     }
 }
+
+#[test]
+fn friction_that_jumps_is_said_to() {
+    let scratch = Scratch::new("described_friction");
+    let described = "#[lie_poisson_system(group = R1, potential = 0.5 * k * position.x.powi(2), force = -(f * velocity.x.signum()), taylor)]
+struct Rubbing { #[inertia] m: f64, k: f64, f: f64 }
+";
+    fs::write(scratch.path("rubbing.rs"), described).expect("written");
+    let run = ["run", "--description", "rubbing.rs", "--set", "m=1", "--set", "k=1", "--set", "f=0.3"];
+    let run = with(&run, &["--set", "position=1", "--duration", "5", "--step", "1e-2"]);
+    let refused = text(&scratch.coadjoint(&run).stderr);
+    assert!(refused.contains("Where a force jumps") && refused.contains("take Taylor steps"), "{refused}");
+    // where it turns round, it goes on
+    let last = scratch.prints(&with(&run, &["--tolerance", "1e-12", "--out", "-", "-q"]));
+    let position = last.lines().next_back().and_then(|line| line.split(',').nth(1)?.parse::<f64>().ok());
+    // half a turn about 0.3, then about -0.3
+    let exact = -0.3 - 0.1 * (5.0 - std::f64::consts::PI).cos();
+    assert!((position.expect("a number") - exact).abs() < 1e-9, "{position:?} of {exact}");
+}
