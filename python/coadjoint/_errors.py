@@ -2,12 +2,60 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 if TYPE_CHECKING:
     from ._solution import Solution
+    from ._system import System
+
+
+#: What messages say of fields in Rust's words, and how it is written in keywords.
+_FIELDS = [
+    (r"Mark one field with `#\[inertia\]`, or give a", 'Give `inertia="…"`, or a'),
+    (r"mark one field with `#\[inertia\((.+?)\)\]`", r'give `inertia={"\1": "…"}`'),
+    (r"are marked; keep one `#\[inertia\]`", "are given as `inertia`; others are `parameters`"),
+    (r"`#\[inertia\(…\)\]` names the factors of each", 'give one of each factor, `inertia={"factor": "…"}`'),
+    (r"stands on its field: `#\[unit\(\"(.*?)\"\)\]`", r"stands behind its type: `[\1]`"),
+    (
+        r"a parameter is `f64`.* or `SMatrix<f64, R, C>`; or an array of these, such as `\[f64; 3\]`",
+        "a parameter is `float`, `Vector1` to `Vector6`, `SVector<f64, N>`, `Matrix1` to `Matrix6` or `SMatrix<f64, R, C>`; "
+        "or an array of these, such as `[float; 3]`",
+    ),
+    (r"with `#\[expression\]` above them", "in `definitions`, with `#[expression]` above them"),
+]
+#: The same of keys.
+_KEYS = [
+    (r"`#\[lie_poisson_system\((.*?), …\)\]`", r"`\1`"),
+    (r'`units\((\w+) = "([^`]*)"\)`', r'`units={"\1": "\2"}`'),
+    (r"`(group|potential|hamiltonian|lagrangian|force|invariance) = ([^`]+)`", r'`\1="\2"`'),
+    (r"`(group|advected|control|force|event|methods|retractions|derivatives)\(([^`]+)\)`", r'`\1="\2"`'),
+    (r"`(derivatives|taylor)` in its description", r"`\1=True` in its description"),
+    (r"`derivatives` alone", "`derivatives=True`"),
+]
+
+
+def spoken(message: str, of_keys: bool = True) -> str:
+    """A message of the library in the words of keywords; of keys too, unless they were written as in Rust."""
+    for theirs, ours in _FIELDS + (_KEYS if of_keys else []):
+        message = re.sub(theirs, ours, message)
+    return message
+
+
+@contextmanager
+def asking(system: System) -> Iterator[None]:
+    """Says what the description of a system lacks as it is written in Python, unless it is Rust's."""
+    try:
+        yield
+    except ValueError as error:
+        said = spoken(str(error))
+        if system._module is not None or said == str(error):
+            raise
+        raise ValueError(said) from None
 
 
 class Place:

@@ -194,6 +194,163 @@ def test_what_is_wrong_is_told_at_its_place(change, place, message):
             assert f"--> {source}:{at.line}:{at.column}" in str(error)
 
 
+PLACE = {
+    "group": {"attitude": "SO3", "place": "R3"},
+    "inertia": {"attitude": "inertia: Vector3", "place": "mass: float"},
+    "parameters": "k: float",
+    "potential": "k * place.z",
+}
+#: What would end its own key and begin another one, or hide what follows it; and where that is.
+BREAKS = [
+    ({"potential": "k * (place.x - 1.0)) * (place.x + 1.0"}, ("potential", 20)),
+    ({"potential": "0.0, force(place = vector![1.0, 2.0, 3.0])"}, ("potential", 4)),
+    ({"potential": "k * place.x,"}, ("potential", 12)),
+    ({"potential": "k * place.x]] struct B {"}, ("potential", 12)),
+    ({"potential": "(k * place.x]"}, ("potential", 13)),
+    ({"potential": "k * place.x /* of it all"}, ("potential", 13)),
+    ({"potential": "k * place.x /* of /* it */ all"}, ("potential", 13)),
+    ({"potential": 'k.expect("of it all)'}, ("potential", 10)),
+    ({"potential": 'k.expect(r#"of it all")'}, ("potential", 12)),
+    ({"potential": "k * place.fixed_rows::<2>(0).x, taylor"}, ("potential", 31)),
+    ({"potential": "k // a, comment\n, taylor"}, ("potential", 1)),
+    ({"hamiltonian": "k, taylor"}, ("hamiltonian", 2)),
+    ({"lagrangian": "k) , (taylor"}, ("lagrangian", 2)),
+    ({"force": {"place": "vector![1.0, 2.0, 3.0]) + (vector![5.0, 5.0, 5.0]"}}, ("force['place']", 23)),
+    ({"force": {"place": "vector![1.0, 2.0, 3.0], attitude = momentum"}}, ("force['place']", 23)),
+    ({"force": {"place = vector![0.0, 0.0, 0.0], attitude": "k"}}, ("force", 1)),
+    ({"force": "place = vector![1.0, 2.0, 3.0]), potential(k"}, ("force", 31)),
+    ({"group": "SO3, taylor"}, ("group", 4)),
+    ({"group": {"attitude": "SO3, place: R3"}}, ("group['attitude']", 4)),
+    ({"advected": "gamma: attitude::R3), control(u: R3"}, ("advected", 20)),
+    ({"advected": {"gamma": "attitude::R3, delta: attitude::R3"}}, ("advected['gamma']", 13)),
+    ({"control": {"u": "SVector<f64, 3>, v: f64"}}, ("control['u']", 16)),
+    ({"control": {"u": "SVector<f64, v: f64"}}, ("control['u']", 12)),
+    ({"event": {"low": "place.z, falling, high = place.z"}}, ("event['low']", 8)),
+    ({"event": "low = place.z), control(u: R3"}, ("event", 14)),
+    ({"methods": "Midpoint), retractions(Cayley"}, ("methods", 9)),
+    ({"retractions": "Cayley), methods(Midpoint"}, ("retractions", 7)),
+    ({"derivatives": "state), methods(Midpoint"}, ("derivatives", 6)),
+    ({"invariance": "right, taylor"}, ("invariance", 6)),
+    ({"parameters": "k: float } struct B { a: float"}, ("parameters", 10)),
+    ({"parameters": {"k": "float, j: float"}}, ("parameters['k']", 6)),
+    ({"parameters": {"k: float, j": "float"}}, ("parameters", 1)),
+    ({"parameters": "k: float = 3"}, ("parameters", 10)),
+    ({"definitions": "const SCALE: f64 = 2.0; /* of it all"}, ("definitions", 25)),
+    ({"units": {"place": "m", "k = x": "m"}}, ("units", 1)),
+]
+
+
+@pytest.mark.parametrize(("change", "place"), BREAKS, ids=lambda value: str(value)[:60])
+def test_what_stands_in_a_string_stays_in_its_place(change, place):
+    with pytest.raises(co.DescriptionError) as caught:
+        co.System(**{**PLACE, **change})
+    found = [(one.place.source, one.place.column) for one in caught.value.problems if one.place]
+    if "comment" in str(change):
+        assert (place[0], 2) in [(at.source, at.line) for one in caught.value.problems if (at := one.place)]
+    else:
+        assert place in found, caught.value
+
+
+def test_a_unit_is_one_text():
+    with pytest.raises(co.DescriptionError, match="2 units"):
+        co.System(**PLACE, units={"place": 'm", place_momentum = "kg'})
+    assert co.System(**{**PLACE, "parameters": 'k: float [m"]'}).parameter_quantities[-1].unit == 'm"'
+
+
+def test_strings_may_have_brackets_commas_and_comments_of_their_own():
+    system = co.System(
+        group="attitude: SO3, place: R3",
+        inertia=PLACE["inertia"],
+        parameters="""
+            k: float,     // a spring, of some stiffness
+            /* two points, [so far] */
+            points: [Vector3; 2] [m]
+        """,
+        potential="k * SVector::<f64, 2>::new(points[0].x, points[1].y).dot(&place.fixed_rows::<2>(0)) // a ) and a ,\n /* ( /* [ */ , */ + 0.0",
+        force="attitude = vector![0.0, 0.0, k], place = vector![k, 0.0, 0.0] + u,",
+        control={"u": "SVector<f64, 3>"},
+    )
+    assert [(one.name, one.unit) for one in system.parameter_quantities[2:]] == [("k", None), ("points_0", "m"), ("points_1", "m")]
+    body = system(inertia=[1, 1, 1], mass=1, k=2.0, points=[[3, 0, 0], [0, 0, 0]])
+    assert body.energy(body.state(place=[5, 0, 0])) == 30
+    # the potential pulls with 6, the force pushes with 2
+    assert body.rhs(0, body.state())[-3:].tolist() == [-4, 0, 0]
+    by_name = co.System(**PLACE, force={"attitude": "vector![0.0, 0.0, k]", "place": "vector![k, 0.0, 0.0]"})(
+        inertia=[1, 1, 1], mass=1, k=2.0
+    )
+    assert by_name.rhs(0, by_name.state())[-3:].tolist() == [2, 0, -2]
+
+
+def test_events_are_described():
+    for event in ("low = place.z, falling, far = place.x", {"low": "place.z, falling", "far": "place.x"}):
+        assert "falling" in co.System(**PLACE, event=event).text
+    with pytest.raises(co.DescriptionError, match="did you mean `falling`"):
+        co.System(**PLACE, event={"low": "place.z, fallin"})
+    with pytest.raises(co.DescriptionError, match="did you mean `place`") as caught:
+        co.System(**PLACE, event={"low": "plase.z"})
+    assert repr(caught.value.problems[0].place) == "event['low']:1:1"
+
+
+@pytest.mark.parametrize(
+    ("change", "place"),
+    [
+        ({"parameters": "k: float, k: float"}, "parameters:1:11"),
+        ({"parameters": "k: float [N],\n  k: Vector3"}, "parameters:2:3"),
+        ({"parameters": "mass: float"}, "parameters:1:1"),
+        ({"parameters": {"mass": "float"}}, "parameters['mass']:1:1"),
+        ({"inertia": {"attitude": "mass: Vector3", "place": "mass: float"}}, "inertia['place']:1:1"),
+    ],
+)
+def test_a_name_is_given_once(change, place):
+    with pytest.raises(co.DescriptionError, match="`(k|mass)` is given twice") as caught:
+        co.System(**{**PLACE, **change})
+    assert [repr(one.place) for one in caught.value.problems] == [place]
+
+
+def test_a_name_of_a_whole_text_is_given_once():
+    with pytest.raises(co.DescriptionError, match="`weight` is given twice"):
+        co.System(WHOLE.replace("chi: Vector3", "weight: Vector3").replace("weight * gamma.dot(&chi)", "gamma.x"))
+    # the others are told of at their places by the library
+    for key in ("advected", "control"):
+        with pytest.raises(co.DescriptionError, match="a name of its own"):
+            co.System(**{**HEAVY_TOP, key: "weight: R3"})
+
+
+def test_one_problem_is_told_once():
+    with pytest.raises(co.DescriptionError) as caught:
+        co.System(group="R1", inertia="m: float [kg], extra: float")
+    assert len(caught.value.problems) == 1 and str(caught.value).count("`extra`") == 1
+
+
+@pytest.mark.parametrize(
+    ("keys", "said"),
+    [
+        ({"group": "R1"}, 'Give `inertia="…"`'),
+        ({"inertia": "m: float"}, 'write `group="SO3"`'),
+        ({"group": "R1", "inertia": "m: float, k: float"}, "others are `parameters`"),
+        ({"group": "R1", "inertia": "m: Vektor3"}, "a parameter is `float`, `Vector1` to `Vector6`"),
+        ({"group": {"a": "R1", "b": "R1"}, "inertia": {"a": "m: float"}}, 'give `inertia={"b": "…"}`'),
+        ({"group": "R1", "inertia": "m: float", "units": {"m": "kg"}}, "stands behind its type: `[kg]`"),
+        ({"group": "R1", "inertia": "m: float", "units": {"position": ""}}, 'write `units={"momentum": "N m s"}`'),
+        ({"group": "R1", "inertia": "m: float", "potential": ""}, 'write `potential="weight'),
+        ({"group": "R1", "inertia": "m: float", "advected": ""}, 'write `advected="gamma: R3"`'),
+        ({"group": "R1", "inertia": "m: float", "methods": "Cayley"}, '`retractions="…"` names others'),
+    ],
+    ids=str,
+)
+def test_errors_speak_of_keywords(keys, said):
+    with pytest.raises(co.DescriptionError) as caught:
+        co.System(**keys)
+    assert said in str(caught.value) and "#[" not in str(caught.value) and "<f64>" not in str(caught.value)
+
+
+def test_a_text_of_rust_is_told_of_in_rust():
+    with pytest.raises(co.DescriptionError, match=r"write `advected\(gamma: R3\)`"):
+        co.System("group = SO3, advected gamma: R3", inertia="inertia: Vector3")
+    with pytest.raises(co.DescriptionError, match=r"Mark one field with `#\[inertia\]`"):
+        co.System(WHOLE.replace("#[inertia]", ""))
+
+
 def test_all_problems_at_once():
     with pytest.raises(co.DescriptionError) as caught:
         co.System(**{**HEAVY_TOP, "potential": "wait * gama.x", "parameters": "weight: String"})
