@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ._errors import asking
 from ._native import Statistics
 from ._rows import Rows
 from ._solution import span_of, step_of
@@ -193,13 +194,22 @@ def _drawn(
         if isinstance(made, tuple):
             made, own = made
             parameters[row] = layout._parameters.flat(own, system._numbers)
-        states[row] = layout._state.flat(made, defaults)
+        if isinstance(made, Mapping):
+            made, moved, said = layout._state.of_velocities(made)
+            states[row] = layout._state.flat(made, defaults)
+            if moved:
+                states[row] = BoundSystem(layout, parameters[row].copy())._of_velocity(states[row], moved, said)
+        else:
+            states[row] = layout._state.flat(made, defaults)
     return states, parameters
 
 
 def _given(system: BoundSystem, states: Any, parameters: Any, n: int | None) -> tuple[Array, Array]:
     """The states and parameters of all members, of arrays or dicts."""
     layout = system.system
+    moved, said = set[str](), set[str]()
+    if isinstance(states, Mapping):
+        states, moved, said = layout._state.of_velocities(states)
     rows = layout._state.rows(states, n, system._defaults())
     count = len(rows) if n is None and len(rows) > 1 else n
     fields = (
@@ -211,6 +221,9 @@ def _given(system: BoundSystem, states: Any, parameters: Any, n: int | None) -> 
         rows = np.tile(rows, (len(fields), 1))
     if len(rows) != len(fields):
         raise ValueError(f"there are {len(rows)} states, and parameters of {len(fields)} members")
+    if moved:
+        own = (BoundSystem(layout, field.copy()) for field in fields)
+        rows = np.array([one._of_velocity(row, moved, said) for one, row in zip(own, rows, strict=True)])
     return rows, fields
 
 
@@ -249,6 +262,8 @@ def statistics(
     if not quantities:
         raise ValueError("`quantities` is empty: there is nothing to know of the members")
     to = None if rows is None else Rows(rows, quantities)
+    # before a worker is asked
+    step_of(keys["step"], span_of(keys["t_span"]))
     if int(block) != block or block < 1:
         raise ValueError(f"`block` must be a number of members, 1 or more, not {block!r}")
     draw = starts = fields = held = None
@@ -332,7 +347,8 @@ def ensemble(
         facts = layout._model.facts
         if not facts["autonomous"]:
             raise ValueError(f"{layout.name} depends on time: ensembles of it start at time 0")
-    native = system._native.ensemble(name, own, rows.ravel(), np.ascontiguousarray(fields).ravel())
+    with asking(layout):
+        native = system._native.ensemble(name, own, rows.ravel(), np.ascontiguousarray(fields).ravel())
     members, width, inputs = len(rows), layout._state.length, layout._controls.length
 
     def held(given: Any) -> Array:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ._errors import asking
 from ._state import Array, State, aligned, numbers
 from ._system import BoundSystem, arity, scheme_name
 
@@ -29,12 +30,12 @@ def span_of(t_span: Any) -> tuple[float, float]:
 
 
 def step_of(step: Any, span: tuple[float, float]) -> float:
-    """The step in the direction of the span."""
+    """The step in the direction of the span, which alone says where a run goes."""
     if isinstance(step, bool) or not isinstance(step, (int, float, np.floating, np.integer)):
         raise TypeError(f"the step must be a number, not {type(step).__name__}")
     step = float(step)
-    if not math.isfinite(step) or step == 0.0:
-        raise ValueError(f"the step must be finite and not zero, got {step}")
+    if not 0.0 < step < math.inf:
+        raise ValueError(f"the step is a length, finite and above zero, and `t_span` says the direction: not {step}")
     return math.copysign(step, span[1] - span[0])
 
 
@@ -81,9 +82,13 @@ def watched(system: BoundSystem, events: Any) -> list[Any]:
     """Events as the native half takes them."""
     if events is None:
         return []
-    layout, all_ = system.system._state, [events] if callable(events) else list(events)
+    layout, all_ = system.system._state, [events] if callable(events) or isinstance(events, str) else list(events)
     made = []
     for event in all_:
+        if isinstance(event, str):
+            raise TypeError(
+                f"an event is a function of `t, y`, not {event!r}: those of a description are watched by the program and in Rust"
+            )
         if not callable(event):
             raise TypeError(f"an event is a function of `t, y`, not {type(event).__name__}")
         terminal, points = getattr(event, "terminal", 0), getattr(event, "points", None)
@@ -123,7 +128,8 @@ def run(
     dense_output: bool | None,
     progress: Callable[[float], Any] | None,
 ) -> Solution:
-    span, start = span_of(t_span), system.state(y0).flat
+    span = span_of(t_span)
+    start = system._start(y0, span[0])
     if (step is None) == (tolerance is None):
         raise TypeError("a run needs either a `step` or a `tolerance`")
     if tolerance is not None and not (scheme is None and order is None):
@@ -147,19 +153,21 @@ def run(
     acting, kind, driven = law(system, controls)
     dense = samples is None if dense_output is None else dense_output
     keeps = samples is None or dense
-    found = system._native.run(
-        name,
-        start,
-        span,
-        step=own,
-        tolerance=tolerance,
-        max_step=max_step,
-        controls=acting,
-        every=int(every) if keeps else None,
-        samples=samples,
-        events=watched(system, events),
-        progress=progress,
-    )
+    watching = watched(system, events)
+    with asking(system.system):
+        found = system._native.run(
+            name,
+            start,
+            span,
+            step=own,
+            tolerance=tolerance,
+            max_step=max_step,
+            controls=acting,
+            every=int(every) if keeps else None,
+            samples=samples,
+            events=watching,
+            progress=progress,
+        )
     width, inputs = system.system._state.length, system.system._controls.length
     ticks = found["ticks"]
     shown = ticks if samples is None else found["samples"]
@@ -312,7 +320,8 @@ class Solution:
         tangent = np.zeros((len(rows), native.dimension))
         for place in np.flatnonzero(given.any(axis=1)):
             tangent[place] = self.system.tangent_map(rows[place]).T @ given[place]
-        first, by_parameters, by_controls = native.pull_back(self.scheme, times, states, controls, tangent.ravel())
+        with asking(self.system.system):
+            first, by_parameters, by_controls = native.pull_back(self.scheme, times, states, controls, tangent.ravel())
         maps = self.system.tangent_map(rows[0])
         # the covector on the stored numbers that is least of those with this one on tangent vectors
         stored = maps @ np.linalg.solve(maps.T @ maps, first)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
@@ -9,6 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
+#: What is `velocity` in the name of the velocity that belongs to a momentum.
+_VELOCITY = re.compile(r"momentum(?=(?:_\d+)?$)")
 
 
 class Quantity(NamedTuple):
@@ -38,7 +41,11 @@ class Quantity(NamedTuple):
 
     def described(self) -> str:
         """One line about it."""
-        shape = {"scalar": "number", "unit quaternion": "rotation (w, x, y, z)", "unit complex": "rotation (cos, sin)"}
+        shape = {
+            "scalar": "number",
+            "unit quaternion": "rotation (w, x, y, z)",
+            "unit complex": "rotation (cos, sin), or an angle in radians",
+        }
         kind = shape.get(self.kind) or " × ".join(map(str, self.shape)) + f" {self.kind}"
         unit = f" [{self.unit}]" if self.unit else ""
         return f"{self.name}{unit}: {kind}" + (f". {self.doc}" if self.doc else "")
@@ -78,10 +85,35 @@ class Layout:
         import difflib
 
         if name in self.arrays:
-            return f"{self.what} has no `{name}`: it has {', '.join(f'{name}_{k}' for k in range(self.arrays[str(name)]))}"
+            return f"`{name}` is an array: it has {', '.join(f'{name}_{k}' for k in range(self.arrays[str(name)]))}"
         near = difflib.get_close_matches(str(name), self.ranges, 1)
-        hint = f"; did you mean `{near[0]}`?" if near else f": it has {', '.join(self.ranges) or 'nothing'}"
-        return f"{self.what} has no `{name}`{hint}"
+        known = ", ".join(self.ranges)
+        if self.what == "the state":
+            hint = f"; did you mean `{near[0]}`?" if near else f": it has {known or 'nothing'}"
+            return f"the state has no `{name}`{hint}"
+        kind = self.what.removeprefix("the ").removesuffix("s")
+        hint = f"; did you mean `{near[0]}`?" if near else f"; known: {known or 'none'}"
+        return f"there is no {kind} `{name}`{hint}"
+
+    def of_velocities(self, given: Mapping[str, Any]) -> tuple[Mapping[str, Any], set[str], set[str]]:
+        """What is given, with velocities in the places of momenta; the names of these momenta, and of those that are given as such."""
+        parts = {one.name: {one.name} for one in self.quantities if one.role == "momentum"}
+        parts |= {name: {f"{name}_{k}" for k in range(count)} for name, count in self.arrays.items() if f"{name}_0" in parts}
+        # an advected quantity may have that name
+        names = {_VELOCITY.sub("velocity", name): name for name in parts}
+        names = {velocity: name for velocity, name in names.items() if velocity not in self.ranges}
+        placed: dict[str, Any] = {}
+        moved: set[str] = set()
+        for name, value in given.items():
+            place = names.get(name, name)
+            if place != name:
+                moved |= parts[place]
+            placed[place] = value
+        said = set().union(*(parts[name] for name in given if name in parts))
+        for name in given:
+            if name in names and parts[names[name]] & said:
+                raise ValueError(f"{self.what}: `{name}` and `{names[name]}` say the same, one of them is enough")
+        return placed, moved, said
 
     def spread(self, given: Mapping[str, Any]) -> Mapping[str, Any]:
         """What is given, with the parts of arrays by their own names."""
@@ -93,8 +125,8 @@ class Layout:
                 parts[name] = value
                 continue
             count, one = self.arrays[name], self.ranges[f"{name}_0"][2]
-            array = numbers(rotation(one, value), f"{self.what}, `{name}`")
             shape = (count, *one.shape)
+            array = numbers(rotation(one, value, len(shape)), f"{self.what}, `{name}`")
             if array.shape[-len(shape) :] != shape:
                 raise ValueError(f"{self.what}, `{name}`: an array of shape {array.shape} in place of {shape}")
             axis = array.ndim - len(shape)
@@ -180,11 +212,20 @@ def aligned(array: Array) -> Array:
     return np.require(array, requirements=["C", "A"])
 
 
-def rotation(quantity: Quantity, value: Any) -> Any:
-    """What a value is as an array: rotations of scipy are quaternions."""
+def rotation(quantity: Quantity, value: Any, axes: int = 1) -> Any:
+    """What a value is as an array: rotations of scipy are quaternions, numbers in the place of `cos, sin` are angles.
+
+    axes: how many its array has at least.
+    """
     if quantity.kind == "unit quaternion" and hasattr(value, "as_quat"):
         # scipy's own order has the real part at the end
         return np.roll(np.asarray(value.as_quat()), 1, axis=-1)
+    if quantity.kind == "unit complex":
+        angles = np.asarray(value)
+        if angles.dtype.kind in "fiu" and (angles.ndim < axes or angles.shape[-1] != 2):
+            if angles.ndim > axes - 1 and angles.shape[-1] == 1:
+                angles = angles[..., 0]
+            return np.stack([np.cos(angles), np.sin(angles)], axis=-1)
     return value
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _describe, _native
+from ._errors import asking
 from ._state import Array, Layout, Quantity, State, numbers
 
 if TYPE_CHECKING:
@@ -349,15 +350,52 @@ class BoundSystem:
     def state(self, given: Any = None, /, **named: Any) -> State:
         """A state by name: configurations that are left out are the identity, momenta zero. Advected quantities must be said.
 
+        A rotation of the plane is `cos, sin`, or its angle in radians. In place of momenta there may be velocities, at time 0 and without controls:
+        `velocity` for `momentum`, `hull_velocity` for `hull_momentum`. Factors of which neither is given are at rest then.
+
         >>> import coadjoint as co
         >>> top = co.systems.heavy_top.example
         >>> top.state(momentum=[0, 0, 5], gamma=[0, 0, 1]).attitude
         array([1., 0., 0., 0.])
+        >>> top.state(velocity=[0, 0, 5], gamma=[0, 0, 1]).momentum / top.parameters.inertia
+        array([0., 0., 5.])
         """
         if given is not None and named:
             raise TypeError("a state is given by name, or as one array or dict")
+        return State(self.system._state, self._start(named or given))
+
+    def _start(self, given: Any, t: float = 0.0) -> Array:
+        """The flat array of a state at a time; velocities among its names become momenta."""
         layout = self.system._state
-        return State(layout, layout.flat(named if given is None else given, self._defaults()))
+        if given is not None and not isinstance(given, Mapping):
+            return layout.flat(given, self._defaults())
+        given, moved, said = layout.of_velocities({} if given is None else given)
+        flat = layout.flat(given, self._defaults())
+        return self._of_velocity(flat, moved, said, t) if moved else flat
+
+    def _of_velocity(self, flat: Array, moved: set[str], said: set[str], t: float = 0.0) -> Array:
+        """A state in which velocities stand in the places of some momenta, and others are said; factors of which there is neither are at rest."""
+        ranges = self.system._state.ranges
+        control = np.zeros(self.system._controls.length)
+        velocities = flat.copy()
+        for name in said:
+            velocities[slice(*ranges[name][:2])] = 0.0
+        state = self._native.with_velocity(velocities, t, control)
+        for name in said:
+            state[slice(*ranges[name][:2])] = flat[slice(*ranges[name][:2])]
+        if not said:
+            return state
+        # with these momenta, is the velocity still the one that was asked for?
+        motion = self._native.motion(state, np.array([t]), control)
+        all_ = self.system.state_quantities
+        for factor, one in zip(all_, all_[1:], strict=False):
+            asked = flat[slice(*ranges[one.name][:2])]
+            if one.name in moved and not np.allclose(motion[slice(*factor.tangent)], asked, rtol=1e-9, atol=1e-12):
+                others = ", ".join(f"`{name}`" for name in sorted(said))
+                raise ValueError(
+                    f"the state: the velocity of `{factor.name}` depends on {others} too: give velocities of all factors, or momenta"
+                )
+        return state
 
     def _defaults(self) -> Array:
         neutral = [
@@ -412,9 +450,20 @@ class BoundSystem:
         return self._native.vector_field(states, times, controls).reshape(*shape, self.system._state.length)
 
     def with_velocity(self, y: Any, t: float = 0.0, control: Any = None) -> State:
-        """The state whose momenta belong to the velocities that stand in their places."""
-        state = self.state(y).flat
-        return State(self.system._state, self._native.with_velocity(state, float(t), self._control(control)))
+        """The state whose momenta belong to the velocities that stand in their places.
+
+        `state(velocity=…)` names them; this takes a whole state, a time and a control.
+        """
+        try:
+            t = float(t)
+        except TypeError:
+            raise TypeError(
+                f"with_velocity takes a state that has velocities in the places of its momenta, then a time, which {t!r} is not; "
+                "`state(velocity=…)` takes them by name"
+            ) from None
+        layout = self.system._state
+        state = layout.flat(layout.of_velocities(y)[0] if isinstance(y, Mapping) else y, self._defaults())
+        return State(self.system._state, self._native.with_velocity(state, t, self._control(control)))
 
     def displace(self, y: Any, by: ArrayLike) -> State:
         """The state displaced by a tangent vector, in the coordinates of `jacobian`.
@@ -436,7 +485,8 @@ class BoundSystem:
         >>> stepper.t
         0.1
         """
-        stepper = self._native.stepper(scheme_name(self.system, scheme, order), float(step))
+        with asking(self.system):
+            stepper = self._native.stepper(scheme_name(self.system, scheme, order), float(step))
         if t:
             stepper.t = t
         return stepper
@@ -462,12 +512,13 @@ class BoundSystem:
 
         y0: the state: by name in a dict, a `State`, or a flat array.
         t_span: start and end; a number is the end of a run from 0.
-        step: the length of the steps. The last one is shorter where whole steps do not lead to the end.
+        step: the length of the steps; their direction is that of `t_span`. The last one is shorter where whole steps do not lead to the end.
         scheme, order: the steps: `exponential`, the default, `cayley`, `midpoint`, `verlet` … or the library's name, `Midpoint<Cayley>`; of order 2, or composed
             to 4, 6, 8 or 10. Words are on the exponential, or on the Cayley map where that alone was derived; `hamilton-jacobi` has the order that was derived.
         tolerance: in place of `step`, Taylor steps, each as long as this error allows: the description needs `taylor`.
         max_step: with a `tolerance`, no step is longer. What comes and goes within a step, as a pulse does, may not be seen.
-        controls: an array or a dict that is held; `(times, values)`, each held until the next; a function of `t`; or one of `t, y`, asked before each step.
+        controls: an array or a dict that is held; `(times, values)`, each held until the next time, without a line or a curve between them; a function
+            of `t`, such as a `CubicSpline` of scipy; or one of `t, y`, asked before each step.
         events: functions of `t, y` whose zeros are found within the steps. As in scipy, an attribute `terminal`, a bool or a count, ends the run,
             and `direction` says which zeros count. `apply`, a function of `t, y`, changes the state there; `points` says at how many points to look in each step.
         t_eval: times at which to record states, in place of those after every `every` steps.
@@ -554,6 +605,7 @@ class BoundSystem:
         """Runs many members side by side, on all cores.
 
         states: the states they start from: an array with one row for each, or a dict of arrays. What is the same for all need be given once.
+            Angles of the plane may be one number for each; two numbers are `cos, sin` for all, two angles are `[[a], [b]]`.
             Or a function of a member's number and its random numbers, `k, rng`, that returns its state, or state and parameters as a pair.
         parameters: likewise, of those that differ from this system's.
         n: how many there are, if that does not follow from the arrays.
@@ -624,9 +676,10 @@ class BoundSystem:
         else:
             rows = self.system._state.rows(states, None)
         inputs = self._control(controls) if controls is None or isinstance(controls, Mapping) else numbers(controls, "the controls")
-        text, passed, certificates = self._native.certify(
-            scheme_name(self.system, scheme, order), np.ascontiguousarray(rows).ravel(), inputs.ravel(), step
-        )
+        with asking(self.system):
+            text, passed, certificates = self._native.certify(
+                scheme_name(self.system, scheme, order), np.ascontiguousarray(rows).ravel(), inputs.ravel(), step
+            )
         return Report(tuple(Certificate(*one) for one in certificates), passed, text)
 
     # -- derivatives -------------------------------------------------------------------------------------------------------------------------
@@ -641,9 +694,10 @@ class BoundSystem:
         and `tangent_map` says how its stored numbers change by them.
         """
         state = self.state(y).flat
-        following, parts = self._native.jacobian(
-            scheme_name(self.system, scheme, order), float(step), state, float(t), self._control(control)
-        )
+        with asking(self.system):
+            following, parts = self._native.jacobian(
+                scheme_name(self.system, scheme, order), float(step), state, float(t), self._control(control)
+            )
         rows = self._native.dimension
         matrices = [entries.reshape(columns, rows).T for columns, entries in parts]
         return Jacobian(State(self.system._state, following), *matrices)

@@ -56,6 +56,9 @@ def test_parameters(HeavyTop, named, error):
         ({"momentum": [1, 1], "gamma": [0, 0, 1]}, ValueError),
         ({"momentun": [1, 1, 1], "gamma": [0, 0, 1]}, ValueError),
         ({"gamma": object()}, TypeError),
+        ({"momentum": [1, 1, 1], "velocity": [1, 1, 1], "gamma": [0, 0, 1]}, ValueError),
+        ({"velocity": [1, 1], "gamma": [0, 0, 1]}, ValueError),
+        ({"hull_velocity": [1, 1, 1], "gamma": [0, 0, 1]}, ValueError),
     ],
 )
 def test_states(top, y, error):
@@ -105,6 +108,25 @@ def test_runs(top, y0, keys, error):
         # long enough that progress is told
         top.run(y0, 100 if "progress" in keys else 1, **keys)
     assert (y0.flat == before).all()
+
+
+@pytest.mark.parametrize("step", [-0.1, 0, 0.0, -0.0, NAN, INF, -INF])
+@pytest.mark.parametrize("span", [10, (0, 10), -10, (10, 0)])
+def test_the_direction_is_that_of_the_span(top, y0, span, step):
+    runs = (
+        lambda: top.run(y0, span, step=step),
+        lambda: top.ensemble(y0, n=2, t_span=span, step=step),
+        lambda: top.ensemble(lambda k, rng: y0, n=2, t_span=span, step=step, quantities={"energy": lambda sol: sol.energy}),
+    )
+    for run in runs:
+        with pytest.raises(ValueError, match="the step is a length, .* and `t_span` says the direction"):
+            run()
+
+
+def test_nothing_is_written_for_a_step_that_is_none(top, y0, tmp_path):
+    with pytest.raises(ValueError, match="t_span"):
+        top.ensemble(y0, n=2, t_span=1, step=-0.1, quantities={"energy": lambda sol: sol.energy}, rows=tmp_path / "rows.csv")
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("span", [NAN, INF, (0, NAN), (0, 1, 2), "a", None, (0, 1e300), [[0, 1]]])
@@ -362,6 +384,35 @@ def test_interrupts(call):
         process.kill()
     assert said == "interrupted\n" and process.returncode == 0
     assert time.monotonic() - begun < 5
+
+
+def test_what_there_is_not_is_named(HeavyTop, top, cart):
+    with pytest.raises(ValueError, match=r"there is no parameter `weigth`; did you mean `weight`\?"):
+        HeavyTop(inertia=[1, 2, 3], weigth=1, chi=[0, 0, 1])
+    with pytest.raises(ValueError, match="there is no parameter `b`; known: inertia, weight, chi"):
+        HeavyTop(b=1)
+    with pytest.raises(ValueError, match="there is no control `b`; known: push"):
+        cart.run([0, 0], 1, step=0.1, controls={"b": 1})
+    with pytest.raises(ValueError, match="the state has no `b`: it has attitude, momentum, gamma"):
+        top.state(b=1)
+    with pytest.raises(TypeError, match=r"velocities in the places of its momenta, .* `state\(velocity=…\)`"):
+        top.with_velocity(top.state(gamma=[0, 0, 1]), [1, 0, 0.2])
+    with pytest.raises(TypeError, match="not 'low': those of a description"):
+        top.run(top.state(gamma=[0, 0, 1]), 1, step=0.1, events="low")
+
+
+def test_steps_that_were_not_derived_are_asked_for_by_keywords(top, y0):
+    asked = {
+        'methods="…"': (lambda: top.run(y0, 1, step=0.1, scheme="midpoint"), lambda: top.stepper(0.1, "midpoint")),
+        'retractions="…"': (lambda: top.ensemble(y0, n=2, t_span=1, step=0.1, scheme="second-kind"), lambda: top.certify(y0, "second-kind")),
+        "taylor=True": (lambda: top.run(y0, 1, tolerance=1e-9),),
+        "derivatives=True": (lambda: top.jacobian(y0, 0.1), lambda: top.run(y0, 1, step=0.1).gradient(y0.flat)),
+    }
+    for said, calls in asked.items():
+        for call in calls:
+            with pytest.raises(ValueError) as caught:
+                call()
+            assert f"`{said}` in its description asks for" in str(caught.value)
 
 
 def test_derivatives_that_there_are_not_are_refused(top, y0):

@@ -48,6 +48,95 @@ def test_scipy_rotations_are_attitudes(top):
     assert np.abs(back - end.gamma).max() < 1e-13
 
 
+@pytest.fixture(scope="module")
+def joint():
+    """A hull with an arm: the momenta of both depend on both velocities."""
+    system = co.System(group={"hull": "SO3", "arm": "SO2"}, inertia={"hull, arm": "inertia: Matrix4"})
+    inertia = np.diag([2.0, 3.0, 4.0, 1.0])
+    inertia[0, 3] = inertia[3, 0] = 0.5
+    return system(inertia=inertia)
+
+
+def test_angles_are_rotations_of_the_plane(joint):
+    for angle in (0.3, np.float64(0.3), [0.3], -7, [np.cos(0.3), np.sin(0.3)]):
+        expected = [np.cos(angle), np.sin(angle)] if np.size(angle) == 1 else angle
+        y = joint.state(arm=angle)
+        assert np.abs(y.arm - np.ravel(expected)).max() == 0 and joint.deviation(y) < 1e-15
+        assert joint.run({"arm": angle}, 0.1, step=0.1).success
+    y.arm = 0.5
+    assert y.arm.tolist() == [np.cos(0.5), np.sin(0.5)]
+    angles = np.array([0.1, 0.2, 0.3])
+    expected = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    for given in (angles, angles[:, None], expected):
+        sol = joint.ensemble({"arm": given, "hull_momentum": [1, 2, 3]}, t_span=0.1, step=0.1)
+        assert (sol.start.arm == expected).all()
+    assert (joint.ensemble({"arm": 0.2}, n=2, t_span=0.1, step=0.1).start.arm == expected[1]).all()
+    assert (joint.ensemble({"arm": [[0.1], [0.2]]}, t_span=0.1, step=0.1).start.arm == expected[:2]).all()
+    drawn = joint.ensemble(lambda k, rng: {"arm": angles[k]}, n=3, t_span=0.1, step=0.1)
+    assert (drawn.start.arm == expected).all()
+    many = sol.start.copy()
+    many.arm = -angles
+    assert (many.arm == expected * [1, -1]).all()
+    arms = co.System(group={"arms": "[SO2; 2]"}, inertia={"arms": "inertia: float"})(inertia=2)
+    assert (arms.state(arms=angles[:2]).flat[[0, 1, 3, 4]] == expected[:2].ravel()).all()
+    for wrong in ([0.1, 0.2, 0.3], [[0.1, 0.2]], "0.1", None):
+        with pytest.raises((ValueError, TypeError)):
+            joint.state(arm=wrong)
+
+
+def test_velocities_become_momenta(joint, top):
+    y = top.state(velocity=[1, 2, 3], gamma=[0, 0, 1])
+    assert y.momentum.tolist() == [1, 20, 300]
+    assert y == top.with_velocity({"momentum": [1, 2, 3], "gamma": [0, 0, 1]}) == top.with_velocity({"velocity": [1, 2, 3], "gamma": [0, 0, 1]})
+    assert top.run({"velocity": [1, 2, 3], "gamma": [0, 0, 1]}, 0.1, step=0.1).y[0] == y
+    inertia = joint.parameters.inertia
+    y = joint.state(hull_velocity=[1, 2, 3], arm_velocity=4, arm=0.3)
+    assert np.abs(np.append(y.hull_momentum, y.arm_momentum) - inertia @ [1, 2, 3, 4]).max() < 1e-14
+    # the arm is at rest
+    y = joint.state(hull_velocity=[1, 2, 3])
+    assert np.abs(np.append(y.hull_momentum, y.arm_momentum) - inertia @ [1, 2, 3, 0]).max() < 1e-14
+    # the hull's other axes do not depend on the arm
+    with pytest.raises(ValueError, match="the velocity of `hull` depends on `arm_momentum` too"):
+        joint.state(hull_velocity=[1, 2, 3], arm_momentum=4)
+    with pytest.raises(ValueError, match="`arm_velocity` and `arm_momentum` say the same"):
+        joint.state(arm_velocity=1, arm_momentum=4)
+    free = co.System(group={"hull": "SO3", "arm": "SO2"}, inertia={"hull": "inertia: Vector3", "arm": "arm_inertia: float"})
+    y = free(inertia=[1, 2, 3], arm_inertia=5).state(hull_velocity=[1, 1, 1], arm_momentum=4)
+    assert y.hull_momentum.tolist() == [1, 2, 3] and y.arm_momentum.tolist() == [4]
+    arms = co.System(group={"arms": "[SO2; 2]"}, inertia={"arms": "inertia: float"})(inertia=2)
+    assert arms.state(arms_velocity=[[1], [2]]).flat[[2, 5]].tolist() == [2, 4]
+    assert arms.state(arms_velocity_1=3, arms_momentum_0=1).flat[[2, 5]].tolist() == [1, 6]
+    with pytest.raises(ValueError, match="`arms_velocity_1` and `arms_momentum_1` say the same"):
+        arms.state(arms_velocity_1=3, arms_momentum=[[1], [2]])
+
+
+def test_velocities_of_members_are_with_their_own_parameters(joint):
+    inertia = joint.parameters.inertia
+    sizes = np.array([1.0, 2.0, 3.0])
+    members = joint.ensemble(
+        {"hull_velocity": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}, {"inertia": sizes[:, None, None] * inertia}, t_span=0.1, step=0.1
+    )
+    expected = np.stack([size * inertia[:, k] for k, size in enumerate(sizes)])
+    assert np.abs(np.hstack([members.start.hull_momentum, members.start.arm_momentum]) - expected).max() < 1e-14
+
+    def member(k, rng):
+        return {"hull_velocity": np.eye(3)[k]}, {"inertia": sizes[k] * inertia}
+
+    drawn = joint.ensemble(member, n=3, t_span=0.1, step=0.1)
+    assert (drawn.start.flat == members.start.flat).all()
+
+
+def test_a_table_is_held_and_a_curve_is_smooth(cart):
+    from scipy.interpolate import CubicSpline
+
+    times, push = np.linspace(0, 2, 5), np.linspace(0, 2, 5)
+    held = cart.run([0, 0], 2, step=0.5, controls=(times, push[:, None]))
+    # each value until the next time
+    assert held.controls.push[1:, 0].tolist() == push[:-1].tolist() and abs(held.end.momentum[0] - 1.5) < 1e-12
+    smooth = cart.run([0, 0], 2, step=0.01, controls=CubicSpline(times, push[:, None]))
+    assert abs(smooth.end.momentum[0] - 2) < 1e-4
+
+
 def test_orders_are_what_they_say(top, y0):
     exact = top.run(y0, 2, step=0.01, order=8).y.flat[-1]
     for order in (2, 4, 6):
@@ -329,7 +418,7 @@ def test_a_tolerance_takes_no_scheme(top, y0):
 
 
 def test_a_tolerance_needs_power_series(top, y0):
-    with pytest.raises(ValueError, match="`taylor`"):
+    with pytest.raises(ValueError, match="`taylor=True`"):
         top.run(y0, 1, tolerance=1e-9)
 
 
