@@ -95,6 +95,30 @@ impl<'a> System<'a> {
     }
 }
 
+/// What the components of an inertia are called: after the axes of what it is the inertia of, where these are not `x`, `y`, `z`. An entry of a
+/// matrix is between two axes, or of one.
+fn labels(description: &Description<'_>, inertia: &check::Inertia, shape: Shape) -> Option<Vec<String>> {
+    let block = inertia.blocks.first()?;
+    let axes: Vec<&str> =
+        block.iter().flat_map(|factor| description.factors[*factor].group.axes()).copied().collect();
+    // several factors have several axes of each name
+    if block.len() != 1 || ["x", "y", "z", "w", "a", "b"].starts_with(&axes) {
+        return None;
+    }
+    let between = |row: &str, column: &str| match (row == column, row.len() + column.len()) {
+        (_, 2) => format!("{row}{column}"),
+        (true, _) => row.to_owned(),
+        (false, _) => format!("{row}_{column}"),
+    };
+    match shape {
+        Shape::Vector(n) if n == axes.len() => Some(axes.iter().map(|&axis| axis.to_owned()).collect()),
+        Shape::Matrix(n, _) if n == axes.len() => {
+            Some(axes.iter().flat_map(|row| axes.iter().map(|column| between(row, column))).collect())
+        }
+        _ => None,
+    }
+}
+
 /// A quantity has one unit, one for each component, or as many as go evenly into these.
 fn check_counts_of_units(system: &System<'_>, description: &Description<'_>, diagnostics: &mut Diagnostics) {
     let parts = system.parts();
@@ -145,13 +169,15 @@ impl<'a> Builder<'_, 'a> {
             elements.map(move |name| (name, field))
         });
         let fields = fields.map(|(name, field)| {
-            let is_inertia = description.inertias.iter().any(|inertia| inertia.name == name);
+            let inertia = description.inertias.iter().find(|inertia| inertia.name == name);
             let (part, value) = self.part(name, Role::Parameter, field.shape);
             let kind = match field.shape {
-                Shape::Matrix(n, _) if is_inertia => Kind::Symmetric(n),
+                Shape::Matrix(n, _) if inertia.is_some() => Kind::Symmetric(n),
                 _ => part.kind,
             };
-            (Part { kind, unit: field.unit.clone(), doc: field.doc.clone(), ..part }, value)
+            let labels = inertia.and_then(|inertia| labels(description, inertia, field.shape));
+            let suffixes = labels.unwrap_or(part.suffixes);
+            (Part { kind, suffixes, unit: field.unit.clone(), doc: field.doc.clone(), ..part }, value)
         });
         fields.unzip()
     }

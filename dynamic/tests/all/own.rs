@@ -104,3 +104,17 @@ fn imports_are_followed() {
     let model = Model::from_text(affine).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(model.system(&[]).definition().constants, [std::f64::consts::PI]);
 }
+
+#[test]
+fn entries_of_inertias_are_called_after_their_axes() {
+    let labels = |group: &str, ty: &str| {
+        let text = format!("#[lie_poisson_system(group = {group})] struct A {{ #[inertia] inertia: {ty} }}");
+        Model::from_text(&text).expect("a description").description().parameters[0].components.join(" ")
+    };
+    let plane = "angular angular_linear_x angular_linear_y linear_x_angular linear_x linear_x_linear_y \
+                 linear_y_angular linear_y_linear_x linear_y";
+    assert_eq!(labels("SE2", "Matrix3<f64>"), plane);
+    assert_eq!(labels("SE3", "Vector6<f64>"), "angular_x angular_y angular_z linear_x linear_y linear_z");
+    assert_eq!(labels("SO3", "Matrix3<f64>"), "xx xy xz yx yy yz zx zy zz");
+    assert_eq!(labels("R4", "Vector4<f64>"), "x y z w");
+}
