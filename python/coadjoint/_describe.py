@@ -379,13 +379,9 @@ def derive(text: Text, name: str | None) -> _native.Model:
     problems = text.problems
     if not problems:
         try:
-            model = _native.Model(str(text), name)
+            return _native.Model(str(text), name)
         except DescriptionError as error:
             problems = _at_home(text, error.problems)
-        else:
-            problems = _twice(model)
-            if not problems:
-                return model
     raise DescriptionError("\n\n".join(one.shown() for one in problems), problems)
 
 
@@ -403,10 +399,3 @@ def _at_home(text: Text, found: list[Problem]) -> list[Problem]:
         if all(repr(problem) != repr(other) for other in problems):
             problems.append(problem)
     return problems
-
-
-def _twice(model: _native.Model) -> list[Problem]:
-    """Names that two quantities have: in a struct the compiler would tell."""
-    names = [one[0] for all_ in model.quantities for one in all_]
-    twice = sorted({name for name in names if names.count(name) > 1}, key=names.index)
-    return [Problem(f"`{name}` is given twice: a name is that of one quantity", None) for name in twice]

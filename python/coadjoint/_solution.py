@@ -86,11 +86,14 @@ def watched(system: BoundSystem, events: Any) -> list[Any]:
     made = []
     for event in all_:
         if isinstance(event, str):
-            raise TypeError(
-                f"an event is a function of `t, y`, not {event!r}: those of a description are watched by the program and in Rust"
-            )
+            described = system._native.events
+            if event not in described:
+                known = f"it has {', '.join(f'`{name}`' for name in described)}" if described else "`event=` gives it some"
+                raise ValueError(f"the description has no event {event!r}: {known}")
+            made.append((described.index(event), 0.0, 0, None, None))
+            continue
         if not callable(event):
-            raise TypeError(f"an event is a function of `t, y`, not {type(event).__name__}")
+            raise TypeError(f"an event is a function of `t, y`, or the name of one of the description's, not {type(event).__name__}")
         terminal, points = getattr(event, "terminal", 0), getattr(event, "points", None)
         apply = getattr(event, "apply", None)
 
@@ -172,7 +175,7 @@ def run(
     ticks = found["ticks"]
     shown = ticks if samples is None else found["samples"]
     times, flat, held = shown
-    count = 0 if events is None else (1 if callable(events) else len(list(events)))
+    count = len(watching)
     t_events, y_events = [], []
     for number in range(count):
         hits = [one for one in found["events"] if one[0] == number]

@@ -502,7 +502,7 @@ class BoundSystem:
         tolerance: float | None = None,
         max_step: float | None = None,
         controls: Any = None,
-        events: Callable[..., Any] | Sequence[Callable[..., Any]] | None = None,
+        events: str | Callable[..., Any] | Sequence[str | Callable[..., Any]] | None = None,
         t_eval: ArrayLike | None = None,
         every: int = 1,
         dense_output: bool | None = None,
@@ -521,6 +521,7 @@ class BoundSystem:
             of `t`, such as a `CubicSpline` of scipy; or one of `t, y`, asked before each step.
         events: functions of `t, y` whose zeros are found within the steps. As in scipy, an attribute `terminal`, a bool or a count, ends the run,
             and `direction` says which zeros count. `apply`, a function of `t, y`, changes the state there; `points` says at how many points to look in each step.
+            Or names of the description's own, `event="apogee = …"`: of these none is missed with a `tolerance`.
         t_eval: times at which to record states, in place of those after every `every` steps.
         dense_output: whether the solution can be called: by default without `t_eval`.
         progress: called now and then with the share of the run that is done.

@@ -38,8 +38,17 @@ enum Acting {
     Feedback(Py<PyAny>),
 }
 
+/// What is zero at an event.
+#[derive(FromPyObject)]
+enum Condition {
+    /// The description's event at this place.
+    Described(usize),
+    /// A function of time and state.
+    Own(Py<PyAny>),
+}
+
 /// An event: its condition, its direction, after how many occurrences the run ends, how many points are looked at in a step, and what is done.
-type Watched = (Py<PyAny>, f64, u64, Option<u32>, Option<Py<PyAny>>);
+type Watched = (Condition, f64, u64, Option<u32>, Option<Py<PyAny>>);
 
 impl Law<'_> {
     fn acting(self, py: Python<'_>, controls: usize) -> PyResult<Acting> {
@@ -169,6 +178,8 @@ struct Plan<'a> {
     every: Option<u64>,
     samples: Option<&'a [f64]>,
     events: &'a [Watched],
+    /// Those of the description.
+    described: &'static [(&'static str, Event)],
     /// Numbers of a state, and of the controls.
     lengths: (usize, usize),
 }
@@ -233,54 +244,64 @@ fn watched<C: ControlLaw<dyn erased::System>>(
         return to(run.observe(recorder), plan);
     }
     let counts: Vec<Cell<u64>> = plan.events.iter().map(|_| Cell::new(0)).collect();
-    let events =
-        plan.events.iter().enumerate().map(|(number, (condition, direction, most, points, action))| {
-            let event = match direction {
-                direction if *direction > 0.0 => Event::rising(),
-                direction if *direction < 0.0 => Event::falling(),
-                _ => Event::any(),
+    let happened = |number: usize| {
+        let ((_, _, most, _, action), count) = (&plan.events[number], &counts[number]);
+        move |at: &mut Occurrence<'_, dyn erased::System>| {
+            let how = match at.crossing() {
+                Crossing::Rising => "rising",
+                Crossing::Falling => "falling",
+                Crossing::Touch => "touch",
             };
-            let event = points.map_or(event, |points| event.points(points));
-            let condition = move |state: &Vec<f64>, time: f64| {
-                let value = Python::attach(|py| {
-                    condition.bind(py).call1((time, PyArray1::from_slice(py, state)))?.extract::<f64>()
+            made.hits.borrow_mut().push((number, at.time(), at.before().clone(), how));
+            count.set(count.get() + 1);
+            if let Some(action) = action {
+                let state = at.state().clone();
+                let next = Python::attach(|py| {
+                    let next = action.bind(py).call1((at.time(), PyArray1::from_slice(py, &state)))?;
+                    if next.is_none() { Ok(None) } else { returned(&next, width, "the state").map(Some) }
                 });
-                made.watch.kept(value, f64::NAN)
-            };
-            let count = &counts[number];
-            let happened = move |at: &mut Occurrence<'_, dyn erased::System>| {
-                let how = match at.crossing() {
-                    Crossing::Rising => "rising",
-                    Crossing::Falling => "falling",
-                    Crossing::Touch => "touch",
-                };
-                made.hits.borrow_mut().push((number, at.time(), at.before().clone(), how));
-                count.set(count.get() + 1);
-                if let Some(action) = action {
-                    let state = at.state().clone();
-                    let next = Python::attach(|py| {
-                        let next = action.bind(py).call1((at.time(), PyArray1::from_slice(py, &state)))?;
-                        if next.is_none() { Ok(None) } else { returned(&next, width, "the state").map(Some) }
-                    });
-                    if let Some(next) = made.watch.kept(next, None) {
-                        if plan.every.is_some() {
-                            let (time, control) = (at.time(), at.control().clone());
-                            let mut ticks = made.ticks.borrow_mut();
-                            let pushed = ticks
-                                .push(time, &state, Some(&control), controls)
-                                .and_then(|()| ticks.push(time, &next, Some(&control), controls));
-                            made.watch.kept(pushed, ());
-                        }
-                        *at.state_mut() = next;
+                if let Some(next) = made.watch.kept(next, None) {
+                    if plan.every.is_some() {
+                        let (time, control) = (at.time(), at.control().clone());
+                        let mut ticks = made.ticks.borrow_mut();
+                        let pushed = ticks
+                            .push(time, &state, Some(&control), controls)
+                            .and_then(|()| ticks.push(time, &next, Some(&control), controls));
+                        made.watch.kept(pushed, ());
                     }
+                    *at.state_mut() = next;
                 }
-                if count.get() == *most || made.watch.has_failed() {
-                    at.stop();
-                }
-            };
-            (event, condition, happened)
-        });
-    let run = run.observe(recorder).events(events.collect::<Vec<_>>());
+            }
+            if count.get() == *most || made.watch.has_failed() {
+                at.stop();
+            }
+        }
+    };
+    let (mut own, mut described) = (Vec::new(), Vec::new());
+    for (number, (condition, direction, _, points, _)) in plan.events.iter().enumerate() {
+        let event = match direction {
+            direction if *direction > 0.0 => Event::rising(),
+            direction if *direction < 0.0 => Event::falling(),
+            _ => Event::any(),
+        };
+        let event = points.map_or(event, |points| event.points(points));
+        match condition {
+            Condition::Described(place) => {
+                let event = plan.described.get(*place).map_or(event, |(_, event)| *event);
+                described.push((*place, event, happened(number)));
+            }
+            Condition::Own(function) => {
+                let value = move |state: &Vec<f64>, time: f64| {
+                    let value = Python::attach(|py| {
+                        function.bind(py).call1((time, PyArray1::from_slice(py, state)))?.extract::<f64>()
+                    });
+                    made.watch.kept(value, f64::NAN)
+                };
+                own.push((event, value, happened(number)));
+            }
+        }
+    }
+    let run = run.observe(recorder).events(own).on_each(described);
     let times = plan.samples.unwrap_or_default().to_vec();
     to(run.save_at(times, Samples { records: made.samples, watch: made.watch, controls }), plan)
 }
@@ -338,7 +359,8 @@ impl System {
         let acting = controls.acting(py, lengths.1)?;
         let samples = samples.as_ref().map(slice).transpose()?;
         let mut stepper = stepping(self, scheme, step, (tolerance, max_step))?;
-        let plan = Plan { span, every: every.map(|every| every.max(1)), samples, events: &events, lengths };
+        let (every, described) = (every.map(|every| every.max(1)), self.of().description().events);
+        let plan = Plan { span, every, samples, events: &events, described, lengths };
         let (outcome, ticks, at, hits, time, error) = py.detach(|| {
             let [ticks, samples] = [Records::default(), Records::default()].map(RefCell::new);
             let (hits, watch) = (RefCell::new(Vec::new()), Watch::new(progress));

@@ -321,6 +321,12 @@ impl System {
         Ok(array(py, self.of().displace(&state, RetractionKind::Exponential, &by)))
     }
 
+    /// The names of the description's events.
+    #[getter]
+    fn events(&self) -> Vec<&'static str> {
+        self.of().description().events.iter().map(|(name, _)| *name).collect()
+    }
+
     /// How many coordinates a tangent vector of the states has.
     #[getter]
     fn dimension(&self) -> usize {

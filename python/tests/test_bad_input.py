@@ -397,7 +397,7 @@ def test_what_there_is_not_is_named(HeavyTop, top, cart):
         top.state(b=1)
     with pytest.raises(TypeError, match=r"velocities in the places of its momenta, .* `state\(velocity=…\)`"):
         top.with_velocity(top.state(gamma=[0, 0, 1]), [1, 0, 0.2])
-    with pytest.raises(TypeError, match="not 'low': those of a description"):
+    with pytest.raises(ValueError, match="no event 'low': `event=` gives it some"):
         top.run(top.state(gamma=[0, 0, 1]), 1, step=0.1, events="low")
 
 

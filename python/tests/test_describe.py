@@ -308,7 +308,7 @@ def test_a_name_is_given_once(change, place):
 
 
 def test_a_name_of_a_whole_text_is_given_once():
-    with pytest.raises(co.DescriptionError, match="`weight` is given twice"):
+    with pytest.raises(co.DescriptionError, match="`weight` is the name of a field before"):
         co.System(WHOLE.replace("chi: Vector3", "weight: Vector3").replace("weight * gamma.dot(&chi)", "gamma.x"))
     # the others are told of at their places by the library
     for key in ("advected", "control"):

@@ -238,6 +238,37 @@ def test_events_are_found_within_steps(oscillator):
     assert alone.t_events[0].shape == (0,) and alone.y_events[0].flat.shape == (0, 2)
 
 
+def test_events_of_the_description_are_watched_by_name():
+    spring = co.System(
+        group="R1",
+        potential="2 * mass * position.x * position.x",
+        inertia="mass: float",
+        event={"through": "position.x", "down": "position.x, falling", "short": "position.x + 0.9999, falling"},
+        taylor=True,
+    )(mass=1)
+    quarter = np.pi / 4
+
+    def momentum(t, y):
+        return y.momentum[0]
+
+    momentum.terminal, momentum.direction = 2, 1
+    # position = cos(2 t); beside a function, in the order in which they are given
+    sol = spring.run([1.0, 0.0], 10, step=0.05, order=6, events=["down", momentum, "through"])
+    assert sol.status == 1 and abs(sol.t_end - 3 * np.pi / 2) < 1e-8
+    assert np.abs(sol.t_events[0] - quarter * np.array([1, 5])).max() < 1e-8
+    assert np.abs(sol.t_events[1] - [np.pi / 2, 3 * np.pi / 2]).max() < 1e-8
+    assert np.abs(sol.t_events[2] - quarter * np.arange(1, 6, 2)).max() < 1e-8
+    assert sol.y_events[0].position.shape == (2, 1) and np.abs(sol.y_events[0].position).max() < 1e-8
+    # by steps to a tolerance none is missed, however long they are
+    sol = spring.run([1.0, 0.0], 10, tolerance=1e-12, events="through")
+    assert np.abs(sol.t_events[0] - quarter * np.arange(1, 13, 2)).max() < 1e-11
+    sol = spring.run([1.0, 0.0], 3, tolerance=1e-12, events="short")
+    assert len(sol.t_events) == 1 and len(sol.t_events[0]) == 1
+    assert abs(sol.t_events[0][0] - np.arccos(-0.9999) / 2) < 1e-9
+    with pytest.raises(ValueError, match="no event 'up': it has `through`, `down`, `short`"):
+        spring.run([1.0, 0.0], 1, step=0.1, events=["down", "up"])
+
+
 def test_an_event_changes_the_state():
     ball = co.System(group="R1", potential="mass * gravity * position.x", inertia="mass: float", parameters="gravity: float")(
         mass=0.1, gravity=10

@@ -636,7 +636,7 @@ fn a_step_that_vanishes_is_an_error() {
     let scheme = Scheme::member(RetractionKind::Exponential, 1, 2);
     for left in [0, 1, 2, 10, 100] {
         LEFT.store(left, Relaxed);
-        let error = certify_erased(&bent, &scheme, &states, &[], None).unwrap_err();
+        let error = certify_erased(&bent, &scheme, &states, &[], 0.0, None).unwrap_err();
         let CertifyError::NotGenerated(missing) = error else { panic!("{left}: {error}") };
         assert_eq!(
             (missing.scheme.as_str(), missing.system, missing.key),
@@ -645,7 +645,7 @@ fn a_step_that_vanishes_is_an_error() {
         );
     }
     LEFT.store(usize::MAX, Relaxed);
-    assert!(certify_erased(&bent, &scheme, &states, &[], None).unwrap().passed());
+    assert!(certify_erased(&bent, &scheme, &states, &[], 0.0, None).unwrap().passed());
 }
 
 #[test]
