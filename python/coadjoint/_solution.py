@@ -83,7 +83,7 @@ def watched(system: BoundSystem, events: Any) -> list[Any]:
     if events is None:
         return []
     layout, all_ = system.system._state, [events] if callable(events) or isinstance(events, str) else list(events)
-    made = []
+    made: list[Any] = []
     for event in all_:
         if isinstance(event, str):
             described = system._native.events
