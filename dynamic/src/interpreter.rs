@@ -1,9 +1,6 @@
 //! Code as a list of operations on the numbers of a frame, each of which is gone through for several frames side by side.
 
-use std::sync::LazyLock;
-
 use coadjoint::__private::Scalar;
-use coadjoint_codegen::program::stumpff;
 
 /// What is done with operands `a`, `b`, `c`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -139,9 +136,6 @@ impl Code {
     #[inline]
     fn stumpff<const L: usize>(&self, line: &Line, frame: &mut [[f64; L]]) {
         let (family, z) = (&self.families[line.b as usize], frame[line.a as usize]);
-        if L > 1 && z.iter().all(|z| z.abs() < stumpff::SHORT) {
-            return series(family, z, frame);
-        }
         macro_rules! of_length {
             ($($length:literal)*) => {
                 match family.len() {
@@ -153,55 +147,6 @@ impl Code {
         of_length!(1 2 3 4 5 6 7 8 9 10 11)
     }
 }
-
-/// Writes the functions that are used of arguments that are small in all lanes, from their series: the same sums as
-/// [`stumpff`](Scalar::stumpff) makes of each alone.
-#[inline(always)]
-fn series<const L: usize>(family: &[Option<u32>], z: [f64; L], frame: &mut [[f64; L]]) {
-    macro_rules! each {
-        ($lane:ident => $value:expr) => {{
-            let mut all = [0.0; L];
-            for $lane in 0..L {
-                all[$lane] = $value;
-            }
-            all
-        }};
-    }
-    let inverse = &*INVERSE_FACTORIALS;
-    let z2 = each!(l => z[l] * z[l]);
-    let quartet = |k: usize| {
-        let [c0, c1, c2, c3] = [0, 2, 4, 6].map(|j| inverse[k + j]);
-        each!(l => {
-            let (low, high) = (Scalar::neg_mul_add(z[l], c1, c0), Scalar::neg_mul_add(z[l], c3, c2));
-            Scalar::mul_add(z2[l], high, low)
-        })
-    };
-    // of smaller arguments one quartet has the same digits
-    let highest = stumpff::highest(family.len()).map(|k| {
-        let (first, second) = (quartet(k), quartet(k + 8));
-        each!(l => Scalar::mul_add(z2[l] * z2[l], second[l], first[l]))
-    });
-    // the others downward
-    let [mut next, mut after] = highest;
-    for (k, to) in family.iter().enumerate().rev() {
-        let value = match family.len() - 1 - k {
-            0 => highest[1],
-            1 => highest[0],
-            _ => {
-                let value = each!(l => Scalar::neg_mul_add(z[l], after[l], inverse[k]));
-                (after, next) = (next, value);
-                value
-            }
-        };
-        if let Some(to) = to {
-            frame[*to as usize] = value;
-        }
-    }
-}
-
-/// `1/m!`
-static INVERSE_FACTORIALS: LazyLock<[f64; stumpff::MAX + 14]> =
-    LazyLock::new(|| std::array::from_fn(stumpff::inverse_factorial));
 
 /// Writes the functions that are used of each lane's argument.
 fn write<const L: usize, const N: usize>(
