@@ -297,7 +297,6 @@ def compose(positional: str | None, name: str | None, keys: Mapping[str, Any]) -
         if not isinstance(positional, str):
             raise TypeError(f"a description is a string, not {type(positional).__name__}")
         _look(text, "description", positional)
-        # with or without the brackets of the macro
         text.piece("description", positional)
         text.glue(",")
     for key, value in keys.items():
