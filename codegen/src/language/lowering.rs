@@ -168,12 +168,13 @@ impl<'a, 's> Lowering<'a, 's> {
             let name = path.path.get_ident().map(|ident| ident.unraw().to_string());
             name.is_some_and(|name| self.locals.iter().any(|(local, _)| *local == name))
         };
-        if matches!(inner, Expr::Lit(_) | Expr::Field(_) | Expr::Unary(_))
-            || matches!(inner, Expr::Path(path) if !is_local(path))
-        {
-            return self.fail(star, NO_REFERENCE);
-        }
-        self.lower(of)
+        let is_reference = match inner {
+            Expr::Lit(_) | Expr::Field(_) => false,
+            Expr::Unary(unary) => matches!(unary.op, UnOp::Deref(_)),
+            Expr::Path(path) => is_local(path),
+            _ => true,
+        };
+        if is_reference { self.lower(of) } else { self.fail(star, NO_REFERENCE) }
     }
 
     /// Constructs without a symbolic meaning.

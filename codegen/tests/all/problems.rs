@@ -596,6 +596,7 @@ fn what_a_compiler_would_refuse_is_refused() {
         ("a * *chi.x", "*"),
         ("a + *weight", "*"),
         ("**a", "*"),
+        ("a ** -2.0", "*"),
         ("a * *(2)", "*"),
         ("{ let r = gamma.norm(); r ** 2 }", "*"),
         ("{ let (r, n) = (a, 2.0); r ** n }", "*"),
@@ -617,5 +618,8 @@ fn what_a_compiler_would_refuse_is_refused() {
     complains("gamma.norm", &[("norm", "`norm` is a method: write `.norm(…)`")]);
     complains("2.e3 * a", &[("2.e3", "a number has a digit behind its point: `2.0e3`")]);
     // and what it would take
-    complains("lengths.iter().map(|l| a * *l).sum::<f64>() + 2f64 * a + a.powi(2i32) + chi[0usize]", &[]);
+    complains(
+        "lengths.iter().map(|l| a * *l + **l).sum::<f64>() + 2f64 * a + a.powi(2i32) + chi[0usize]",
+        &[],
+    );
 }
