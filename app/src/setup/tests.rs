@@ -438,7 +438,7 @@ fn rotations_of_the_plane_and_of_rigid_motions_are_turned() {
 
 #[test]
 fn symmetric_matrices_stay_symmetric() {
-    for spread in ["inertia=0.01", "inertia_xy=0.01", "inertia=1%"] {
+    for spread in ["inertia=0.01", "inertia_angular_x_angular_y=0.01", "inertia=1%"] {
         let (_, setup) = variation("rigid_body_in_space", &[spread]).expect("valid");
         let (members, drawn) = members("rigid_body_in_space", &[spread], 50);
         for member in &members {
@@ -447,7 +447,7 @@ fn symmetric_matrices_stay_symmetric() {
             }
             assert_ne!(member.parameters, setup.parameters, "{spread}");
         }
-        let expected = [("inertia=0.01", 21), ("inertia_xy=0.01", 1), ("inertia=1%", 6)];
+        let expected = [("inertia=0.01", 21), ("inertia_angular_x_angular_y=0.01", 1), ("inertia=1%", 6)];
         assert!(expected.contains(&(spread, drawn.len())), "{spread}: {drawn:?}");
     }
 }
