@@ -182,6 +182,36 @@ mod tests {
     use crate::tests::catalogue;
 
     #[test]
+    fn the_attribute_is_taken_off_the_struct() {
+        let text = "use a::b; struct Other; #[doc = \"x\"] #[m::lie_poisson_system(group = SO3)] struct Body { a: f64 }";
+        let found = |text: &str, name| {
+            let source = Source::find(text.parse().expect("tokens"));
+            source.description(Some(name)).map(|found| (found.attribute.to_string(), found.item.clone()))
+        };
+        let (attribute, item) = found(text, "Body").expect("there is one");
+        assert_eq!(attribute, "group = SO3");
+        let item: syn::ItemStruct = syn::parse2(item).expect("a struct");
+        assert_eq!(item.ident, "Body");
+        assert_eq!(item.attrs.len(), 1);
+        assert!(found("struct Other;", "Body").is_err());
+    }
+
+    #[test]
+    fn a_struct_is_found_by_its_name() {
+        let text = "#[lie_poisson_system(group = SO3)] struct First { a: f64 } #[lie_poisson_system(group = SO2)] struct Second { a: f64 }";
+        let mut entry = catalogue().find("heavy_top").expect("it is there").clone();
+        entry.source = text;
+        let attribute = |entry: &Entry| {
+            let (source, name) = described(entry, false).expect("tokens");
+            source.description(name.as_deref()).expect("it is there").attribute.to_string()
+        };
+        // the first one, where none has the name
+        assert_eq!(attribute(&entry), "group = SO3");
+        entry.description.name = "Second";
+        assert_eq!(attribute(&entry), "group = SO2");
+    }
+
+    #[test]
     fn every_system_can_be_shown() {
         for entry in catalogue().entries() {
             for retraction in [None, Some(Retraction::Exponential), Some(Retraction::Cayley)] {

@@ -20,6 +20,7 @@ mod value;
 
 pub use access::by_index;
 pub use scope::{Constant, Scope};
+pub(crate) use value::COMPONENTS;
 pub use value::{Element, Value};
 
 /// The words of the language, for its documentation.

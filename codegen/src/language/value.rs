@@ -176,7 +176,7 @@ impl<'a> Value<'a> {
 }
 
 /// nalgebra's names of a vector's components.
-pub(super) const COMPONENTS: [&str; 6] = ["x", "y", "z", "w", "a", "b"];
+pub(crate) const COMPONENTS: [&str; 6] = ["x", "y", "z", "w", "a", "b"];
 
 /// How the name of a vector's component ends.
 fn component(i: usize, n: usize) -> String {

@@ -13,7 +13,7 @@ use crate::diagnostics::Diagnostics;
 use crate::expr::{Arena, Expr, Matrix, Stage, Symbol, Vector};
 use crate::group::{Group, Product, Semidirect, consecutive, part_name};
 use crate::identifiers::{plain, velocity_name};
-use crate::language::{Scope, Value, by_index, lower_forces, lower_scalar};
+use crate::language::{COMPONENTS, Scope, Value, by_index, lower_forces, lower_scalar};
 use crate::parse::{self, Control, Unit};
 use crate::quantity::{Kind, Role, Shape, Side};
 
@@ -102,7 +102,7 @@ fn labels(description: &Description<'_>, inertia: &check::Inertia, shape: Shape)
     let axes: Vec<&str> =
         block.iter().flat_map(|factor| description.factors[*factor].group.axes()).copied().collect();
     // several factors have several axes of each name
-    if block.len() != 1 || ["x", "y", "z", "w", "a", "b"].starts_with(&axes) {
+    if block.len() != 1 || COMPONENTS.starts_with(&axes) {
         return None;
     }
     let between = |row: &str, column: &str| match (row == column, row.len() + column.len()) {
