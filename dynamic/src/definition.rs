@@ -270,6 +270,7 @@ fn step(all: &Arc<Program>, place: usize, interpreted: bool) -> Step {
         has_domain: module.function(StepRole::Domain).is_some(),
         has_true_jacobian: program.has_true_jacobian,
         is_newton: program.is_newton,
+        is_chord: program.is_chord,
         is_long: program.is_long,
         program: std::array::from_fn(|_| bytes.next().unwrap_or_default()),
         places: module.values.places(),

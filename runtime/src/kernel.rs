@@ -114,6 +114,18 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
     fn is_newton(&self) -> bool {
         Self::IS_NEWTON
     }
+    /// Whether Newton's matrix is that of the beginning of a step: what such steps contract to strongly is one solution alone.
+    const IS_CHORD: bool = false;
+    /// [`IS_CHORD`](Self::IS_CHORD)
+    #[inline(always)]
+    fn is_chord(&self) -> bool {
+        Self::IS_CHORD
+    }
+    /// Whether iterations may contract to any solution, for their matrix is taken where they have come to.
+    #[inline(always)]
+    fn finds_any(&self) -> bool {
+        self.is_newton() && !self.is_chord()
+    }
     /// Whether a step is long: a call for it does not count, to compile it once more takes long, and what rounding leaves in the solution of its equation
     /// is some units.
     const IS_LONG: bool = false;

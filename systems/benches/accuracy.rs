@@ -291,13 +291,15 @@ macro_rules! rows {
             row("composed, 4", $step / 2.0, $step / 250.0, 0.7, &|step| motion.run::<Order4<Exponential>>(step));
             row("composed, 6", $step, $step / 50.0, 0.8, &|step| motion.run::<Order6<Exponential>>(step));
             row("composed, 8", $step, $step / 20.0, 0.8, &|step| motion.run::<Order8<Exponential>>(step));
-            $(row(
-                concat!("one equation, ", $order),
-                1.5 * $step,
-                $step / if $order == 4 { 250.0 } else { 50.0 },
-                0.8,
-                &|step| motion.run::<HamiltonJacobi<Exponential, $order>>(step),
-            );)*
+            $({
+                let last = $step / if $order == 4 { 250.0 } else { 50.0 };
+                row(concat!("one equation, ", $order), 1.5 * $step, last, 0.8, &|step| {
+                    motion.run::<HamiltonJacobi<Exponential, $order>>(step)
+                });
+                row(concat!("same, fused, ", $order), 1.5 * $step, last, 0.8, &|step| {
+                    motion.run::<Fused<HamiltonJacobi<Exponential, $order>>>(step)
+                });
+            })*
         }
     }};
 }

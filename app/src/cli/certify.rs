@@ -9,11 +9,12 @@ use serde_json::json;
 
 use super::console::OutputMode;
 use super::description::DescriptionArguments;
+use super::motion::check_scheme;
 use crate::catalogue::Catalogue;
 use crate::catalogue::casimir::symbols;
 use crate::error::Error;
-use crate::setup::{Changes, Method, MethodParser, Retraction};
-use crate::simulate::{self, has_method, states_in_motion};
+use crate::setup::{Changes, Method, MethodParser, Order, Retraction};
+use crate::simulate::{self, has_method, states_in_motion, usual_method};
 use crate::units::listed;
 
 /// The arguments of `certify`.
@@ -28,6 +29,9 @@ pub(crate) struct CertifyArguments {
     /// Only this method [default: the standard one and the midpoint]
     #[arg(long, value_parser = MethodParser)]
     pub(crate) method: Option<Method>,
+    /// Steps of this order, as `run` takes them: from one equation where they are there, or composed [default: 2]
+    #[arg(long, value_enum)]
+    pub(crate) order: Option<Order>,
     /// Only the steps built on this map; `exp` and `cay` for short
     #[arg(long, value_enum)]
     pub(crate) retraction: Option<Retraction>,
@@ -57,8 +61,12 @@ pub(crate) fn certify(
             setup
         }
     };
+    check_scheme(arguments.method, arguments.order, None)?;
+    let order = arguments.order.unwrap_or_default();
     let methods = match arguments.method {
         Some(method) => vec![method],
+        // what is usual of that order
+        None if order != Order::Two => vec![Method::Standard],
         None => [Method::Standard, Method::Midpoint]
             .into_iter()
             .filter(|&method| has_method(entry, method))
@@ -81,7 +89,11 @@ pub(crate) fn certify(
     let mut reports = Vec::new();
     for &method in &methods {
         for &retraction in &retractions {
-            let report = simulate::certify(entry, &setup, method, retraction)?;
+            let method = match arguments.method {
+                None if order != Order::Two => usual_method(entry, retraction, order),
+                _ => method,
+            };
+            let report = simulate::certify(entry, &setup, method, retraction, order)?;
             writeln!(console.words(), "{}\n", in_short(&report))?;
             reports.push(report);
         }
@@ -197,6 +209,7 @@ mod tests {
             system: Some("rubbing".to_owned()),
             described: Default::default(),
             set: Vec::new(),
+            order: None,
             method: None,
             retraction: None,
             output: OutputMode::default(),
@@ -211,7 +224,8 @@ mod tests {
     #[test]
     fn every_row_is_explained_in_a_line() {
         for entry in catalogue().entries() {
-            let report = simulate::certify(entry, &entry.example, Method::Standard, Retraction::Cayley);
+            let report =
+                simulate::certify(entry, &entry.example, Method::Standard, Retraction::Cayley, Order::Two);
             let reports = [report.expect("measured")];
             let lines = legend(&reports);
             assert!(lines.iter().all(|line| line.chars().count() <= 80), "{lines:#?}");

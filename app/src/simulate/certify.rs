@@ -22,6 +22,7 @@ pub fn certify(
     setup: &Setup,
     method: Method,
     retraction: Retraction,
+    order: Order,
 ) -> Result<Report, RunError> {
     let (states, _) = states_in_motion(entry, setup)?;
     let law = entry.law(setup);
@@ -31,8 +32,10 @@ pub fn certify(
     if let Method::Taylor(_) = method {
         return Ok(certify_taylor(system, &states, &controls)?);
     }
-    let method = if method == Method::Standard { standard(entry, retraction) } else { method };
-    let scheme = scheme(method, retraction, Order::Two)?;
+    // the one that it is; what is composed is made of the symmetric ones alone
+    let is_one = method == Method::Standard && order == Order::Two;
+    let method = if is_one { standard(entry, retraction) } else { method };
+    let scheme = scheme(method, retraction, order)?;
     // where a table or a ramp of time begins there is a kink, and mostly that is zero
     let time = if entry.description.autonomous { 0.0 } else { 25.25 * entry.step };
     Ok(certify_erased(&*system, &scheme, &states, &controls, time, entry.certified_step)?)

@@ -1,5 +1,6 @@
 //! Runs of any system, with parameters and states as flat lists of numbers.
 
+mod advice;
 mod certify;
 mod classical;
 pub mod ensemble;
@@ -7,7 +8,6 @@ mod estimate;
 pub(crate) mod scan;
 mod taylor;
 pub(crate) mod threads;
-mod too_far;
 
 use std::cell::{Cell, RefCell};
 use std::ops::ControlFlow;
@@ -23,10 +23,10 @@ use coadjoint::system::{Quantity, Role};
 use coadjoint::{Crossing, Run, Scheme, Tick};
 use serde::{Deserialize, Serialize};
 
+pub(crate) use advice::{beyond_series, slowed};
 pub use certify::{certify, states_in_motion};
 pub use classical::stepper as classical_stepper;
 pub use estimate::{Distance, ErrorEstimate, error_estimate};
-pub(crate) use too_far::{beyond_series, slowed};
 
 use crate::catalogue::{ControlLaw, Entry, Input, Observable, Setup};
 use crate::error::{RunError, SetupError};
@@ -279,7 +279,7 @@ pub(crate) fn simulate_within(
             None => run.with_control(held.clone()).steps(steps),
         }
     };
-    let explained = |error, state: &[f64]| too_far::explained(error, &*system, state, job);
+    let explained = |error, state: &[f64]| advice::explained(error, &*system, state, job);
     let steps = job.steps.saturating_sub(stepper.steps_taken());
     let mut report =
         walk(&mut stepper, &mut state, steps, false).map_err(|error| explained(error, &state))?;

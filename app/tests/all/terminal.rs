@@ -81,6 +81,12 @@ fn a_run_is_told_as_one_object() {
         (&certified["passed"], certified["reports"].as_array().map(Vec::len)),
         (&json!(true), Some(2))
     );
+    // of a higher order: what `run` takes
+    let composed = scratch.object(&["certify", "heavy_top", "--retraction", "cay", "--order", "4"]);
+    assert_eq!(
+        (&composed["passed"], &composed["reports"][0]["scheme"]),
+        (&json!(true), &json!("Order4<Cayley>"))
+    );
 }
 
 #[test]

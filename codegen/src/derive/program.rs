@@ -143,9 +143,13 @@ pub(crate) fn step<'a>(
         let linearization = Linearization::new(arena, system, &step, wanted);
         kernel::derivative(arena, &step, &linearization, wanted, Inputs::of(system))
     });
-    let Step { blocks, bounded, iteration, .. } = step;
+    let Step { blocks, bounded, iteration, unknown, .. } = step;
     let has_true_jacobian = matches!(iteration, Iteration::FixedPoint | Iteration::TrueNewton);
     let is_newton = matches!(iteration, Iteration::Newton(_) | Iteration::TrueNewton);
+    let is_chord = match &iteration {
+        Iteration::Newton(matrix) => !Vector(matrix.entries.clone()).depends_on(&unknown.symbols()),
+        _ => false,
+    };
     let is_long = module.values.places() > LONG;
     StepProgram {
         scheme,
@@ -154,6 +158,7 @@ pub(crate) fn step<'a>(
         bounded,
         has_true_jacobian,
         is_newton,
+        is_chord,
         is_long,
         module,
         derivative,

@@ -91,6 +91,8 @@ pub struct StepProgram {
     pub has_true_jacobian: bool,
     /// Whether all iterations are simplified Newton steps with nearly that matrix.
     pub is_newton: bool,
+    /// Whether that is one of the beginning of a step.
+    pub is_chord: bool,
     /// Whether it has so many values that what rounding leaves in the solution of its equation is some units.
     pub is_long: bool,
     /// Its functions.

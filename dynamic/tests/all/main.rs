@@ -5,6 +5,7 @@ mod errors;
 mod hostile;
 #[cfg(feature = "jit")]
 mod machine;
+mod memory;
 mod own;
 mod same;
 mod tangents;

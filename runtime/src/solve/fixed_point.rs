@@ -29,7 +29,7 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
     // of changes, one after the other, that are no rounding
     let (mut iterations, mut residual, mut sharp) = (T::all(0), T::of(0.0), [T::of(1.0), memory.rate]);
     let (mut last, mut round) = (T::of(FAR), 0);
-    let start = (convergence == Convergence::Quadratic).then(|| equation.start());
+    let start = kernel.finds_any().then(|| equation.start());
     let is_as_fast = memory.is_as_fast(convergence);
     let few = if convergence.is_newton() { FEW + 1 } else { 1 };
     let mut measures = !is_as_fast;

@@ -282,7 +282,7 @@ fn fast_path<P: Processor, T: Batch, K: Kernel<T>>(
     };
     if const { !OneStep::<T, K>::IS_EXPLICIT } {
         if let Some(start) = &start
-            && Convergence::of(kernel) == Convergence::Quadratic
+            && kernel.finds_any()
         {
             let equation = &AtState { kernel, state, step: &step };
             if !is_found_from_start(equation, start, &unknown, T::Mask::splat(true)).all() {
@@ -418,10 +418,10 @@ fn by_newton<T: Batch, K: Kernel<T>>(
     let mut from = from;
     if let Some(before) = &before {
         // iterations that contract strongly lead to one solution alone; Newton's do so to any, and may have come to it
-        let is_newton = Convergence::of(equation.kernel) == Convergence::Quadratic;
-        let is_sure = memory.is_strong() & T::Mask::splat(!is_newton);
+        let finds_any = equation.kernel.finds_any();
+        let is_sure = memory.is_strong() & T::Mask::splat(!finds_any);
         (elsewhere, rate) = (elsewhere & !is_sure, before.rate);
-        if is_newton {
+        if finds_any {
             from = before.unknown;
         }
     }

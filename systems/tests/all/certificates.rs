@@ -2,7 +2,7 @@
 
 use coadjoint::prelude::*;
 use coadjoint_app::Example;
-use coadjoint_app::setup::{Method, Retraction};
+use coadjoint_app::setup::{Method, Order, Retraction};
 use coadjoint_app::simulate::{certify, states_in_motion};
 use coadjoint_systems::catalogue::CATALOGUE;
 
@@ -19,7 +19,7 @@ fn every_claim_holds(name: &str) {
     for &method in &methods {
         for &retraction in &retractions {
             let what = format!("{name} {method} {}", retraction.name());
-            match certify(entry, &entry.example, method, retraction) {
+            match certify(entry, &entry.example, method, retraction, Order::Two) {
                 Ok(report) if report.passed() => {
                     reports += 1;
                     measured += report.certificates.len();
@@ -65,7 +65,8 @@ impl Example for FastCharge {
 fn probes_stay_where_the_energy_is_defined() {
     let entry = FastCharge::entry();
     for retraction in [Retraction::Exponential, Retraction::Cayley] {
-        let report = certify(&entry, &entry.example, Method::Standard, retraction).expect("measured");
+        let report =
+            certify(&entry, &entry.example, Method::Standard, retraction, Order::Two).expect("measured");
         assert!(report.passed(), "{report}");
     }
 }

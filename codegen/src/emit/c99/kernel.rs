@@ -181,6 +181,7 @@ impl Kernel<'_> {
             .with("SLOW", filled(if self.has_update() { "U_OUT_OF_LINE" } else { "U_FN" }))
             .holds("update", self.has_update())
             .holds("newton", self.step.is_newton)
+            .holds("finds_any", self.step.is_newton && !self.step.is_chord)
             .holds("long", self.step.is_long && !self.step.is_newton)
             .holds("quadratic", self.is_quadratic())
             .holds("true_jacobian", self.step.has_true_jacobian)

@@ -47,6 +47,7 @@ pub(super) fn kernel(names: &Names, step: &StepProgram) -> TokenStream {
         quote! { const HAS_TRUE_JACOBIAN: ::core::primitive::bool = false; }
     });
     let is_newton = step.is_newton.then(|| quote! { const IS_NEWTON: ::core::primitive::bool = true; });
+    let is_chord = step.is_chord.then(|| quote! { const IS_CHORD: ::core::primitive::bool = true; });
     let is_long = step.is_long.then(|| quote! { const IS_LONG: ::core::primitive::bool = true; });
     let bounded = bounded(&step.bounded);
     let program = bytes::functions(module).map(|function| Literal::byte_string(&function));
@@ -79,6 +80,7 @@ pub(super) fn kernel(names: &Names, step: &StepProgram) -> TokenStream {
                 const PROGRAM: Program = [#(#program),*];
                 #has_fewer_terms
                 #is_newton
+                #is_chord
                 #is_long
 
                 #[inline(always)]

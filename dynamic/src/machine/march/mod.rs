@@ -269,7 +269,7 @@ impl<'a, 'e, 'f> March<'a, 'e, 'f> {
         let unknown = self.stages[stage].given.unknown.clone();
         let mut kept = unknown.clone();
         if is_newton {
-            if step.has_true_jacobian {
+            if !step.is_chord {
                 // it may be another solution
                 let away = self.change(stage, &start, &unknown);
                 let near = self.e.number(numbers::<1>("NEAR")[0]);

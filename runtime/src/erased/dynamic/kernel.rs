@@ -143,6 +143,10 @@ impl<T: Called, const U: usize> Kernel<T> for DynamicKernel<T, U> {
         self.step().is_newton
     }
     #[inline(always)]
+    fn is_chord(&self) -> bool {
+        self.step().is_chord
+    }
+    #[inline(always)]
     fn is_long(&self) -> bool {
         self.step().is_long
     }

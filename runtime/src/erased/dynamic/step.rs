@@ -174,6 +174,8 @@ pub struct Step {
     pub has_true_jacobian: bool,
     /// Whether all iterations are simplified Newton steps with nearly that matrix.
     pub is_newton: bool,
+    /// Whether that is one of the beginning of a step.
+    pub is_chord: bool,
     /// Whether it is long, so that what rounding leaves in its solutions is some units.
     pub is_long: bool,
     /// Its functions as bytes, for certificates and for what rounding leaves.

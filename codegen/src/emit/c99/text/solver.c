@@ -464,7 +464,7 @@ U_FN void K_iterate(const K_equation *q, const K_memory *m, const REAL *guess, c
 //end
             is_last = again && (now <= U_TOLERANCE_0 * U_EPSILON || (now <= most && sharp_now <= U_QUICK * sharp_last));
         }
-//if quadratic
+//if finds_any
         if (is_last && !K_is_found_from_start(q, s->unknown)) {
             /* it may be another solution */
             is_last = 0;
@@ -775,7 +775,7 @@ SLOW S_status K_slow(const K_constants *k, K_memory *m, const S_state *x TIMED_A
             K_learn(&q, m, &s);
             return U_OK;
         }
-//if quadratic
+//if finds_any
         /* what Newton's method contracts to may be any solution, and it may have come to it */
         K_copy(guess, s.unknown);
 //else
@@ -858,7 +858,7 @@ U_HOT int K_fast(const K_constants *k, K_memory *m, K_path *path, const S_state 
         last = now;
         more++;
     }
-//if quadratic
+//if finds_any
     if (!K_is_found_from_start(&q, unknown))
         return 2;
 //end

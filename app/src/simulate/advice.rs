@@ -1,4 +1,4 @@
-//! Steps that turn farther than their retraction reaches, or than it follows well; and those that a jump of the force stops.
+//! Says what helps where steps turn farther than their retraction reaches, or than it follows well; and where a jump of the force stops them.
 
 use std::f64::consts::PI;
 
@@ -10,7 +10,7 @@ use crate::catalogue::{Entry, Setup};
 use crate::error::RunError;
 use crate::setup::{Job, Method, Order, Retraction};
 
-/// Why a step could not be taken, where the reason is that it turns too far.
+/// Why a step could not be taken, where the reason is known: it turns too far, or a force jumps.
 pub(super) fn explained(
     source: coadjoint::RunError,
     system: &dyn erased::System,
