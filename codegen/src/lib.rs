@@ -43,7 +43,7 @@ pub use lie_group::{expression, lie_group};
 use model::System;
 use parse::{Attribute, Item};
 use program::Program;
-use scheme::{Derivatives, Parameter, Scheme};
+use scheme::{Derivatives, Parameter, Rule, Scheme};
 
 /// The whole of the attribute macro: what takes the place of the annotated item. Problems become compile errors at the
 /// user's tokens, beside as much of the expansion as can be made, or beside something that has all its names, so that
@@ -218,12 +218,13 @@ fn compile<R>(
     feasible::derived(&arena, attribute, &item, || None, diagnostics)?;
     let wanted = attribute.derivatives;
     let mut work = arena.work();
-    for (scheme, aliases) in schemes {
+    let begun = work;
+    for (scheme, aliases) in &schemes {
         // each from a system of its own: what else is asked for has no part in it
         let arena = Arena::limited(limits::DERIVATION - work);
         let system = System::build(&arena, &description, &mut Diagnostics::new())?;
-        program.steps.push(derive::step(&arena, &system, scheme, aliases, wanted));
-        let lower = || fitting_order(&description, scheme, wanted, limits::DERIVATION - work);
+        program.steps.push(derive::step(&arena, &system, *scheme, aliases.clone(), wanted));
+        let lower = || fitting_order(&description, &schemes, scheme.rule, wanted, begun);
         feasible::derived(&arena, attribute, &item, lower, diagnostics)?;
         work += arena.work();
     }
@@ -237,21 +238,29 @@ fn compile<R>(
     Some(emit(program, &system, attribute, &item))
 }
 
-/// The rule of the highest lower order of which a step can be derived with so much work.
+/// The rule of the highest lower order with which, in place of this one, all steps can be derived after so much work.
 fn fitting_order(
     description: &check::Description<'_>,
-    scheme: Scheme,
+    schemes: &[(Scheme, Vec<Scheme>)],
+    rule: Rule,
     wanted: Derivatives,
-    work: usize,
+    begun: usize,
 ) -> Option<String> {
-    let Parameter::Order(order) = scheme.rule.parameter else { return None };
-    let method = scheme.rule.method;
+    let Parameter::Order(order) = rule.parameter else { return None };
+    let method = rule.method;
     let fits = |&lower: &u32| {
-        let arena = Arena::limited(work);
-        let system = System::build(&arena, description, &mut Diagnostics::new());
-        let scheme = Scheme { rule: method.of_order(lower), ..scheme };
-        let step = system.map(|system| derive::step(&arena, &system, scheme, Vec::new(), wanted));
-        step.is_some() && !arena.is_exhausted()
+        let lower = method.of_order(lower);
+        let others =
+            schemes.iter().map(|(scheme, _)| *scheme).filter(|scheme| ![rule, lower].contains(&scheme.rule));
+        let lowered = schemes.iter().map(|(scheme, _)| *scheme).filter(|scheme| scheme.rule == rule);
+        let mut work = begun;
+        others.chain(lowered.map(|scheme| Scheme { rule: lower, ..scheme })).all(|scheme| {
+            let arena = Arena::limited(limits::DERIVATION - work);
+            let system = System::build(&arena, description, &mut Diagnostics::new());
+            let step = system.map(|system| derive::step(&arena, &system, scheme, Vec::new(), wanted));
+            work += arena.work();
+            step.is_some() && !arena.is_exhausted()
+        })
     };
     let mut lower = method.orders.iter().copied().rev().filter(|&lower| lower < order);
     lower.find(fits).map(|order| format!("{}({order})", method.name))

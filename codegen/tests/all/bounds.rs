@@ -260,6 +260,20 @@ fn orders_that_are_too_high_name_one_that_fits() {
     );
     let attribute = attribute.replace("HamiltonJacobi(8)", "HamiltonJacobi(6)");
     answer(attribute, item.to_owned()).expect("order 6 does not");
+    // one after the other, by both retractions: it fits with all that is asked for
+    let pendulums = "group(r: [SO2; 3]), potential = -w * (r[0].angle() - r[1].angle()).cos() - w * (r[1].angle() - r[2].angle()).cos()";
+    let ring = "struct Ring { #[inertia(r)] inertia: [f64; 3], w: f64 }";
+    let body = "group = SE3, potential = b * pose.translation.z + c * pose.transform_vector(&Vector3::z()).z";
+    let thrown = "struct Thrown { #[inertia] inertia: Vector6<f64>, b: f64, c: f64 }";
+    for (attribute, item, asked) in [(pendulums, ring, 10), (body, thrown, 8)] {
+        let of_order =
+            |order: u32| answer(format!("{attribute}, methods(HamiltonJacobi({order}))"), item.to_owned());
+        let message = of_order(asked).expect_err("it takes too much").remove(0).1;
+        let named = message.split("take `HamiltonJacobi(").nth(1).and_then(|rest| rest.split(')').next());
+        let named: u32 = named.and_then(|order| order.parse().ok()).unwrap_or_else(|| panic!("{message}"));
+        of_order(named).expect("what is named fits");
+        assert!(named + 2 == asked || of_order(named + 2).is_err(), "{named} is not the highest: {message}");
+    }
 }
 
 #[test]
