@@ -4,7 +4,7 @@
 use super::names::ValueNames;
 use super::presolve::{Equation, Presolved};
 use super::step::{Increment, Iteration, Step, step_symbol};
-use crate::expr::{Arena, Expr, Number, Stage, Symbol, Vector};
+use crate::expr::{Arena, Expr, Matrix, Number, Stage, Symbol, Vector};
 use crate::group::{Retraction, Side};
 use crate::model::{Parts, Relation, Slot, System};
 use crate::scheme::Member;
@@ -82,14 +82,44 @@ impl<'s, 'a> Discretization<'s, 'a> {
         }
     }
 
-    /// A first approximation of `y`: `t ξ_k`, or rest where no closed form gives the velocity.
+    /// A first approximation of `y`: `t ξ_k`, or near to it where no closed form gives the velocity.
     pub(super) fn start(&self) -> Vector<'a> {
-        match self.system.velocity_relation() {
-            Relation::Explicit(velocity) => velocity.scale(self.step),
-            Relation::Implicit(_) | Relation::Singular => {
-                Vector::zeros(self.step.arena(), self.system.dimension())
-            }
+        let velocity = match self.system.velocity_relation() {
+            Relation::Explicit(velocity) => velocity.clone(),
+            Relation::Implicit(residual) => self.near_velocity(residual),
+            Relation::Singular => Vector::zeros(self.step.arena(), self.system.dimension()),
+        };
+        velocity.scale(self.step)
+    }
+
+    /// Nearly the root of `∂l/∂ξ − m`: half of the way from rest and the other half along the path on which `m` grows (Davidenko's equation, by
+    /// Euler's method), and two steps of Newton's method. An equation of higher order has roots near others than this one. Rest itself
+    /// where that leads nowhere, as beyond the speeds that an energy is defined for.
+    fn near_velocity(&self, residual: &Vector<'a>) -> Vector<'a> {
+        let symbols = self.system.velocity_symbols().symbols();
+        let jacobian = residual.jacobian(&symbols).map(Expr::hold);
+        let values = |vector: &Vector<'a>, velocity: &Vector<'a>| {
+            vector
+                .substitute(&symbols.iter().copied().zip(velocity.iter()).collect::<Vec<_>>())
+                .map(Expr::hold)
+        };
+        let corrected = |velocity: &Vector<'a>, residual: &Vector<'a>| {
+            let entries = values(&Vector(jacobian.entries.clone()), velocity).0;
+            let matrix = Matrix::new(jacobian.rows, jacobian.columns, entries);
+            (velocity - &matrix.solve(residual)).map(Expr::hold)
+        };
+        // as near to rest as derivatives of norms there allow
+        let share = |all: i128| self.step.arena().number(Number::ratio(1, all));
+        let rest = self.system.momentum().scale(share(1_000_000_000_000_000));
+        let missing = values(residual, &rest);
+        let half = missing.scale(share(2));
+        let mut velocity = corrected(&corrected(&rest, &half), &half);
+        for _ in 0..2 {
+            velocity = corrected(&velocity, &values(residual, &velocity));
         }
+        let [left, before] = [values(residual, &velocity), missing].map(|vector| vector.dot(&vector));
+        let is_nearer = (left - before).hold();
+        velocity.map(|component| is_nearer.choose(component, self.step.arena().zero()))
     }
 
     /// `dL τ_x v` for velocities in the body, `dR τ_x v` for those in space.

@@ -76,3 +76,39 @@ fn steps_take_the_solution_that_they_would_take_from_rest() {
     }
     assert!(taken > RUNS * STEPS, "{taken} steps were taken");
 }
+
+/// A particle with the speed of light 1, on a spring.
+const RELATIVISTIC: &str = "
+    #[lie_poisson_system(
+        group = R3,
+        lagrangian = -(1.0 - velocity.norm_squared()).sqrt() - 0.5 * position.norm_squared(),
+        methods(HamiltonJacobi(4)),
+    )]
+    struct Relativistic;";
+
+/// Where the velocity is no closed form of the momentum, the search begins near it: from rest the equation led to a velocity near that of light, which
+/// solves it too.
+#[test]
+fn steps_from_a_state_take_the_solution_near_its_velocity() {
+    let system = Arc::new(Model::from_text(RELATIVISTIC).unwrap().system(&[]));
+    let scheme = "HamiltonJacobi<Exponential, 4>".parse().unwrap();
+    let start = [-1.05702, 0.37857, -0.45199, 0.94427, 0.19402, -0.24961];
+    let energy = |state: &[f64]| {
+        let squares = |part: &[f64]| part.iter().map(|x| x * x).sum::<f64>();
+        (1.0 + squares(&state[3..])).sqrt() + 0.5 * squares(&state[..3])
+    };
+    for tick in 80..120 {
+        let step = 1e-4 * f64::from(tick);
+        let mut state = start;
+        erased::Stepper::new(system.clone(), &scheme, step).unwrap().step(&mut state, &[]).unwrap();
+        let off = energy(&state) / energy(&start) - 1.0;
+        assert!(off.abs() < 1e-12, "{step}: {off:e}");
+    }
+    let (mut state, mut most) = (start, 0.0_f64);
+    let mut stepper = erased::Stepper::new(system, &scheme, 0.01).unwrap();
+    for _ in 0..10_000 {
+        stepper.step(&mut state, &[]).unwrap();
+        most = most.max((energy(&state) / energy(&start) - 1.0).abs());
+    }
+    assert!(most < 1e-9, "{most:e}");
+}
