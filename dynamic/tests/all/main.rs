@@ -7,5 +7,6 @@ mod hostile;
 mod machine;
 mod memory;
 mod own;
+mod rest;
 mod same;
 mod tangents;

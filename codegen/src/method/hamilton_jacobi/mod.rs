@@ -36,11 +36,12 @@ mod path;
 mod reduced;
 mod velocity;
 
-use super::discretization::{Discretization, values};
+use super::discretization::{Discretization, Values, bind, values};
+use super::motion::Field;
 use super::names::symbols;
 use super::presolve::{Equation, presolve_only};
 use super::step::{Iteration, Step};
-use crate::expr::{Arena, Expr, Series, Vector};
+use crate::expr::{Arena, Expr, Number, Series, Vector};
 use crate::group::Retraction;
 use crate::model::{Energy, Parts, Relation, System};
 use crate::scheme::{Member, Method};
@@ -173,7 +174,7 @@ impl<'a> HamiltonJacobi<'_, 'a> {
         let velocity = y.scale(step.recip());
         let mut there = values(system, &g_bar, &velocity, &a_bar, *step * *early);
         if let Derivatives::OfMomentum { .. } = derivatives {
-            super::discretization::bind(&mut there, &system.momentum(), &mean);
+            bind(&mut there, &system.momentum(), &mean);
         }
         let at_middle = |vector: &Vector<'a>| vector.substitute(&there);
         let (Derivatives::OfMomentum { kick, .. } | Derivatives::OfVelocity { kick, .. }) = &derivatives;
@@ -199,7 +200,7 @@ impl<'a> HamiltonJacobi<'_, 'a> {
                 let mean = self.0.explicit(&mean, mean_right, system.momentum());
                 let mean = Equation { names: names.components("mu"), ..mean };
                 let velocity = names.per_scale(&at_middle(velocity).scale(*step));
-                vec![mean, self.0.explicit(&x, velocity, names.per_scale(&self.0.start()))]
+                vec![mean, self.0.explicit(&x, velocity, names.per_scale(&self.start()))]
             }
             Derivatives::OfVelocity { momentum, correction, .. } => {
                 let right = match correction {
@@ -223,6 +224,19 @@ impl<'a> HamiltonJacobi<'_, 'a> {
         let presolved = presolve_only(equations, left);
         let left = presolved.equations.iter().flat_map(|equation| equation.names.clone()).collect();
         (self.0.lifted(presolved, &y, &next), left)
+    }
+
+    /// A first approximation of `η`: `t ξ`, with the velocity of the momentum after half of the step. From rest that is where it goes to, where terms
+    /// of higher order have derivatives that they have not at rest, as those of drag.
+    fn start(&self) -> Vector<'a> {
+        let Discretization { system, step, .. } = &self.0;
+        let Relation::Explicit(velocity) = system.velocity_relation() else { return self.0.start() };
+        let (mut now, mut middle) = (Values::new(), Values::new());
+        bind(&mut now, &system.velocity_symbols(), &velocity.hold());
+        let change = Field::new(step.arena(), system).momentum.substitute(&now);
+        let half = *step * step.arena().number(Number::ratio(1, 2));
+        bind(&mut middle, &system.momentum(), &(&system.momentum() + &change.scale(half)).hold());
+        velocity.substitute(&middle).scale(*step)
     }
 
     /// `(dR τ_x)* m`, on the group alone.
@@ -267,7 +281,7 @@ impl<'a> HamiltonJacobi<'_, 'a> {
         Equation {
             left: names.times_scale(momentum),
             solved,
-            ..self.0.explicit(x, right, names.per_scale(&self.0.start()))
+            ..self.0.explicit(x, right, names.per_scale(&self.start()))
         }
     }
 }

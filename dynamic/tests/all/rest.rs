@@ -1,0 +1,61 @@
+//! Steps of higher order that begin at rest.
+
+use std::sync::Arc;
+
+use coadjoint::erased;
+use coadjoint_dynamic::Model;
+
+/// A mass that falls through air.
+const FALLING: &str = "
+    #[lie_poisson_system(
+        group = R3,
+        potential = mass * g * position.z,
+        force = -drag * velocity.norm() * velocity,
+        methods(HamiltonJacobi(4)),
+    )]
+    struct Falling { #[inertia] mass: f64, g: f64, drag: f64 }";
+
+/// A body that a motor turns through air.
+const TURNING: &str = "
+    #[lie_poisson_system(
+        group = SO3,
+        force = vector![0.0, 0.0, torque] - drag * velocity.norm() * velocity,
+        methods(HamiltonJacobi(4)),
+    )]
+    struct Turning { #[inertia] inertia: Vector3<f64>, torque: f64, drag: f64 }";
+
+/// Speed and way of what is accelerated from rest to a final speed, after a time.
+fn exact(acceleration: f64, last: f64, time: f64) -> [f64; 2] {
+    let x = acceleration * time / last;
+    [last * x.tanh(), last * last / acceleration * x.cosh().ln()]
+}
+
+/// Drag has no second derivative by the velocity at rest, and needs none: rest is where a step begins, not where it is.
+#[test]
+fn drag_sets_in_from_rest() {
+    let end = |text: &str, parameters: &[f64], start: &[f64], steps: u64| {
+        let system = Arc::new(Model::from_text(text).unwrap().system(parameters));
+        let scheme = "HamiltonJacobi<Exponential, 4>".parse().unwrap();
+        let mut stepper = erased::Stepper::new(system, &scheme, 2.0 / steps as f64).unwrap();
+        let mut state = start.to_vec();
+        stepper.steps(&mut state, &[], steps).unwrap();
+        state
+    };
+    let [speed, way] = exact(9.81, (9.81_f64 / 0.3).sqrt(), 2.0);
+    let off = |steps: u64| {
+        let state = end(FALLING, &[1.0, 9.81, 0.3], &[0.0; 6], steps);
+        ((state[2] + way) / way).abs().max(((state[5] + speed) / speed).abs())
+    };
+    let (coarse, fine) = (off(20), off(40));
+    assert!(fine < 1e-6 && (coarse / fine).log2() > 3.5, "{coarse:e}, {fine:e}");
+
+    let moment = 2.5;
+    let [rate, _] = exact(0.7 / moment, (0.7_f64 / 0.3).sqrt(), 2.0);
+    let off = |steps: u64| {
+        let start = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let state = end(TURNING, &[1.0, 2.0, moment, 0.7, 0.3], &start, steps);
+        (state[6] / (moment * rate) - 1.0).abs()
+    };
+    let (coarse, fine) = (off(10), off(20));
+    assert!(fine < 1e-6 && (coarse / fine).log2() > 3.5, "{coarse:e}, {fine:e}");
+}
