@@ -324,12 +324,51 @@ impl<'a> Vanishing<'a> {
     }
 
     fn limit_of_product(&mut self, factors: &[(Id, i32)], around: f64) -> Id {
+        // what is divided by a root in one branch is multiplied by what the others are there
+        let divided = |&(factor, e): &(Id, i32)| {
+            let branches = self.branches(factor).filter(|_| e == 1 && factors.len() > 1)?;
+            self.is_divided(factor).then_some((factor, branches))
+        };
+        if let Some((choice, [x, y, z])) = factors.iter().find_map(divided) {
+            let [y, z] = [(0, y), (1, z)].map(|(place, branch)| {
+                let others = factors.iter().filter(|(factor, _)| *factor != choice);
+                let there = others.map(|&(factor, e)| match self.branches(factor) {
+                    Some([same, y, z]) if same == x => ([y, z][place], e),
+                    _ => (factor, e),
+                });
+                let product: Vec<_> = there.chain([(branch, 1)]).collect();
+                self.limit_of_product(&product, around)
+            });
+            return self.arena.choice([x, y, z]);
+        }
         let Monomial { power, mut rest, is_simpler, .. } = self.simplified(factors);
         let mut total = around + power.to_f64();
         for &(factor, e) in &rest {
             total += powered(self.order(factor), f64::from(e));
         }
         let has_limit = power.is_negative() && total > POSITIVE;
+        if power.is_negative() {
+            // of what is chosen one branch may cancel the root, or vanish, and another not: each has its own limit, or none
+            for (place, &(factor, e)) in rest.iter().enumerate() {
+                let Some([x, y, z]) = self.branches(factor).filter(|_| e == 1) else { continue };
+                let others = total - self.order(factor);
+                let with = |branch: Id| {
+                    let mut factors = rest.clone();
+                    factors[place].0 = branch;
+                    factors.push((self.power(power), 1));
+                    factors
+                };
+                let products = [y, z].map(with);
+                let is_better = |(branch, factors): (Id, &Vec<(Id, i32)>)| {
+                    let cancels = !self.simplified(factors).power.is_negative();
+                    cancels || !has_limit && others + self.order(branch) > POSITIVE
+                };
+                if [y, z].into_iter().zip(&products).any(is_better) {
+                    let limits = products.map(|factors| self.limit_of_product(&factors, around));
+                    return self.arena.choice([x, limits[0], limits[1]]);
+                }
+            }
+        }
         if !is_simpler && !has_limit {
             // as it was, but for the sums among the factors
             rest = factors.to_vec();
@@ -346,6 +385,15 @@ impl<'a> Vanishing<'a> {
             rest.push((self.power(power), 1));
         }
         self.arena.product(Number::ONE, rest)
+    }
+
+    /// The condition and the branches of a choice.
+    fn branches(&self, id: Id) -> Option<[Id; 3]> {
+        match self.arena.node(id) {
+            Node::Choice(branches) => Some(branches),
+            Node::Held(inner) => self.branches(inner),
+            _ => None,
+        }
     }
 
     /// A product with as few powers of the base in the denominator as there can be.

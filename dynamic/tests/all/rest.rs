@@ -59,3 +59,47 @@ fn drag_sets_in_from_rest() {
     let (coarse, fine) = (off(10), off(20));
     assert!(fine < 1e-6 && (coarse / fine).log2() > 3.5, "{coarse:e}, {fine:e}");
 }
+
+/// Forces that are written with directions, whose whole is smooth at zero or has a limit there.
+#[test]
+fn directions_are_nothing_at_zero_where_the_whole_is() {
+    let forces = [
+        // saturated
+        "-k * position.norm().min(1.0) * position.normalize()",
+        "-k * position.norm().min(k) * position.normalize()",
+        "-k * velocity.norm().clamp(0.0, 1.0) * velocity.normalize()",
+        "-position * k.min(1.0 / position.norm())",
+        // a tether that is slack
+        "-k * (position.norm() - 1.0).max(0.0) * position.normalize()",
+        "-k * (position.norm() - k).max(0.0) * position.normalize()",
+    ]
+    .map(|force| format!("force = {force}"));
+    let potentials = [
+        "k * position.norm().max(0.0).powi(2)",
+        "k * position.norm().min(k).powi(2)",
+        "k * (position.norm() - 1.0).max(0.0).powi(2)",
+    ]
+    .map(|potential| format!("potential = {potential}"));
+    for force in forces.into_iter().chain(potentials) {
+        let text = format!(
+            "#[lie_poisson_system(group = R3, {force}, derivatives(state))]
+             struct Held {{ #[inertia] mass: f64, k: f64 }}"
+        );
+        let system = Arc::new(Model::from_text(&text).unwrap().system(&[2.0, 3.0]));
+        for scheme in ["Exponential", "Midpoint<Exponential>"] {
+            let Ok(mut stepper) = erased::Stepper::new(system.clone(), &scheme.parse().unwrap(), 0.1) else {
+                continue;
+            };
+            let mut state = [0.0; 6];
+            stepper.step(&mut state, &[]).unwrap_or_else(|error| panic!("{force}, {scheme}: {error}"));
+            assert_eq!(state, [0.0; 6], "{force}, {scheme}");
+            // and near zero it is what it is at zero
+            let (mut here, mut there) = ([0.0; 6], [1e-9; 6]);
+            let (at, _) =
+                stepper.step_with_jacobian(&mut here, &[]).unwrap_or_else(|error| panic!("{force}: {error}"));
+            let (near, _) = stepper.step_with_jacobian(&mut there, &[]).unwrap();
+            let pairs = at.state.iter().zip(near.state.iter());
+            assert!(pairs.clone().all(|(a, b)| (a - b).abs() < 1e-6), "{force}, {scheme}");
+        }
+    }
+}
