@@ -75,7 +75,9 @@ pub enum ParameterError {
 pub enum StepError {
     /// The state, time or control handed in, the state after the step, or what moves it is infinite somewhere or not a number: as at a pole of the
     /// potential.
-    #[error("the state, its time, a control or what moves it is not finite")]
+    #[error(
+        "the state, its time, a control or what moves it is not finite, as at a pole, or the direction of a zero vector"
+    )]
     NotFinite,
     /// The list of numbers handed in is no state of the system.
     #[error("the state must have {expected} numbers: it is of another system")]
@@ -140,8 +142,8 @@ pub enum StepError {
     SeveralSolutions,
     /// The Jacobian of the step's equation is singular, or not finite, where the equation is to be solved.
     #[error(
-        "the Jacobian of the step's equation is singular: the energy has no regular second derivative by the momentum or velocity here, or \
-         the step is too long"
+        "the Jacobian of the step's equation is singular or not finite: the energy has no regular second derivative by the momentum or velocity \
+         here, a force has no derivative, or the step is too long"
     )]
     SingularJacobian,
     /// The solution lies outside the retraction's domain (for the exponential on SO(3): a turn of 2π or more in one

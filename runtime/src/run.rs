@@ -921,7 +921,8 @@ mod tests {
         );
         assert_eq!(ticks, 1);
         assert_eq!(state, before);
-        let message = "step 1, from time 2, could not be taken: the state, its time, a control or what moves it is not finite";
+        let message = "step 1, from time 2, could not be taken: the state, its time, a control or what moves it is not finite, as at a pole, or \
+                       the direction of a zero vector";
         assert_eq!(std::format!("{error}"), message);
     }
 
