@@ -82,14 +82,16 @@ fn directions_are_nothing_at_zero_where_the_whole_is() {
     .map(|potential| format!("potential = {potential}"));
     for force in forces.into_iter().chain(potentials) {
         let text = format!(
-            "#[lie_poisson_system(group = R3, {force}, derivatives(state))]
+            "#[lie_poisson_system(group = R3, {force}, methods(Midpoint), derivatives(state))]
              struct Held {{ #[inertia] mass: f64, k: f64 }}"
         );
         let system = Arc::new(Model::from_text(&text).unwrap().system(&[2.0, 3.0]));
-        for scheme in ["Exponential", "Midpoint<Exponential>"] {
-            let Ok(mut stepper) = erased::Stepper::new(system.clone(), &scheme.parse().unwrap(), 0.1) else {
-                continue;
-            };
+        // of what is not taken rounding has no bound there: the Jacobian of an implicit step is refused, which is an error and no wrong number
+        let is_bounded = !force.contains("1.0 / ");
+        for scheme in
+            ["Exponential", "Midpoint<Exponential>"].into_iter().take(if is_bounded { 2 } else { 1 })
+        {
+            let mut stepper = erased::Stepper::new(system.clone(), &scheme.parse().unwrap(), 0.1).unwrap();
             let mut state = [0.0; 6];
             stepper.step(&mut state, &[]).unwrap_or_else(|error| panic!("{force}, {scheme}: {error}"));
             assert_eq!(state, [0.0; 6], "{force}, {scheme}");
