@@ -86,11 +86,7 @@ fn directions_are_nothing_at_zero_where_the_whole_is() {
              struct Held {{ #[inertia] mass: f64, k: f64 }}"
         );
         let system = Arc::new(Model::from_text(&text).unwrap().system(&[2.0, 3.0]));
-        // of what is not taken rounding has no bound there: the Jacobian of an implicit step is refused, which is an error and no wrong number
-        let is_bounded = !force.contains("1.0 / ");
-        for scheme in
-            ["Exponential", "Midpoint<Exponential>"].into_iter().take(if is_bounded { 2 } else { 1 })
-        {
+        for scheme in ["Exponential", "Midpoint<Exponential>"] {
             let mut stepper = erased::Stepper::new(system.clone(), &scheme.parse().unwrap(), 0.1).unwrap();
             let mut state = [0.0; 6];
             stepper.step(&mut state, &[]).unwrap_or_else(|error| panic!("{force}, {scheme}: {error}"));

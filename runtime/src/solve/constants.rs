@@ -11,7 +11,7 @@ pub(super) const THROUGH: usize = 8;
 pub(super) const LOW: usize = 3;
 /// A prediction that is off by less than this, in units, is off by rounding.
 pub(super) const SMALL: f64 = 4096.0;
-/// A prediction that is off by more than this, relative to the unknown, is forgotten.
+/// A prediction that is off by more than this, relative to the unknown, is forgotten; of Newton's method one by two solutions or more.
 pub(super) const LOST: f64 = 0.1;
 
 /// Fixed-point iterations are made where they contract at least by this factor: there the equation has one solution near.
@@ -28,7 +28,7 @@ pub(super) const HARDLY: f64 = 0.025;
 /// which contract by more than the angle of a step in some planes.
 pub(super) const TOLERANCE: [f64; 3] = [8.0, 128.0, 16.0];
 /// The most simplified Newton steps on the fast path beside the first.
-pub(super) const FEW: u32 = 6;
+pub(super) const FEW: u32 = 10;
 /// What the last of several simplified Newton steps leaves, if it contracts as it shows to, in units.
 pub(super) const LEFT: f64 = 4.0;
 /// The rate of contraction of simplified Newton steps becomes smaller by this factor at most each time that it is measured: it differs from one
@@ -36,7 +36,7 @@ pub(super) const LEFT: f64 = 4.0;
 pub(super) const FORGETS: f64 = 0.25;
 /// The change of a last simplified Newton step is `c / rate`: it leaves `c` units, for the state is made of what it leads to. But it
 /// is no more than the second number, in units.
-pub(super) const NEWTON: [f64; 2] = [2.0, 1e8];
+pub(super) const NEWTON: [f64; 2] = [2.0, 1e6];
 /// The largest rate of contraction of which `c / rate²` is as much as the last of these.
 pub(super) const QUICK: f64 = 0.04;
 /// Changes from here on show the rate of contraction, in units. Of Newton's method, which leaves a part of the change's

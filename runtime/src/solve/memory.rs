@@ -66,6 +66,17 @@ pub(super) struct Memory<T: Batch, U> {
     is_ready: bool,
 }
 
+/// What says what of a memory is of use.
+#[derive(Clone, Copy)]
+pub(super) struct Aside<T: Batch> {
+    count: (T, bool),
+    rate: T,
+    tolerance: T,
+    due: u16,
+    interval: u16,
+    is_ready: bool,
+}
+
 impl<T: Batch, U: Components<T>> Default for Memory<T, U> {
     fn default() -> Self {
         Self {
@@ -143,6 +154,24 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
         (self.due, self.interval) = (INTERVALS[0], INTERVALS[0]);
         (self.rate, self.tolerance) = (T::of(STRONG), T::of(TOLERANCE[0] * T::EPSILON));
         self.is_ready = U::LENGTH == 0;
+    }
+
+    /// Forgets all, until it is [taken up](Self::take_up).
+    #[inline(always)]
+    pub(super) fn set_aside(&mut self) -> Aside<T> {
+        let Self { rate, tolerance, due, interval, is_ready, .. } = *self;
+        let aside = Aside { count: self.predictor.count(), rate, tolerance, due, interval, is_ready };
+        self.forget();
+        aside
+    }
+
+    /// Remembers again what was [set aside](Self::set_aside).
+    #[inline(always)]
+    pub(super) fn take_up(&mut self, aside: Aside<T>) {
+        let Aside { count, rate, tolerance, due, interval, is_ready } = aside;
+        self.predictor.recall(count);
+        (self.rate, self.tolerance) = (rate, tolerance);
+        (self.due, self.interval, self.is_ready) = (due, interval, is_ready);
     }
 
     /// Remembers a step that was not taken on the fast path: its solution, and the rate of contraction as it was seen.

@@ -6,7 +6,7 @@
 //!
 //! 1. the fast path: one iteration from the prediction, of Newton's method a few;
 //! 2. [fixed-point iterations](fixed_point), where they contract strongly;
-//! 3. [Newton's method](newton);
+//! 3. [Newton's method](newton); and what these two do not solve, once more as if nothing were remembered;
 //! 4. the [rescue](rescue), a lane at a time: damped corrections and continuation, from nothing that is remembered;
 //! 5. acceptance: the next state, inside the retraction's domain, and finite.
 //!

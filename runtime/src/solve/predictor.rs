@@ -139,6 +139,18 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         (self.count, self.is_full) = (T::of(0.0), false);
     }
 
+    /// How many solutions are of use, and whether all are.
+    #[inline(always)]
+    pub(super) fn count(&self) -> (T, bool) {
+        (self.count, self.is_full)
+    }
+
+    /// Takes as many of them as of use again.
+    #[inline(always)]
+    pub(super) fn recall(&mut self, count: (T, bool)) {
+        (self.count, self.is_full) = count;
+    }
+
     /// The next solution, if there is any before it.
     #[inline(always)]
     pub(super) fn next(&self) -> U {
@@ -302,7 +314,10 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         let weights = &weights::<T, _>(blocks, solution);
         let off = weighted::<T, _>(weights, &next, solution);
         let before = self.count;
-        let known = T::select(off.le(T::of(LOST)), before, T::of(0.0));
+        // by one solution alone large steps are off by as much, and the motion shows by two
+        let is_first = T::Mask::splat(by == Continuation::Eighth) & before.lt(T::of(2.0));
+        let is_of_use = is_first | off.le(T::of(LOST));
+        let known = T::select(is_of_use, before, T::of(0.0));
         self.count = T::select(known.lt(full), known + one, known);
         let is_long = low.lt(known);
         if is_long.any() {

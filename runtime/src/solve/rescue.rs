@@ -112,6 +112,10 @@ impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
         if !finite::<T, _>(&terms).lane(self.lane) {
             let Evaluation { residual, right, .. } = self.equation.corrected(self.start, None);
             let left = self.size(relative::<T, _>(self.blocks, &residual, &right));
+            if left == 0.0 {
+                let unknown = *self.start;
+                return (Ok(Rescued { unknown, residual: T::of(left), evaluations: 1 }), true);
+            }
             // or rounding may leave anything of them, which nothing solves
             let error = if left.is_finite() {
                 StepError::NoSolution { residual: left }

@@ -328,29 +328,46 @@ impl<T: Batch, K: Kernel<T>> Work for SlowPath<'_, T, K> {
 
     #[inline(always)]
     fn done(self) -> Outcome<T, K::State> {
-        let Self { method: OneStep { kernel, memory }, state, time, control, known, first } = self;
+        let Self { method: OneStep { kernel, memory }, state, time, control, known, mut first } = self;
         let state = &one_by_one::<T, _>(state);
         if !known {
             memory.forget();
         }
         let step = &kernel.begin(state, time, control);
         let equation = &AtState { kernel: &*kernel, state, step };
-        let (begin, mut before) = (guess(equation, memory), None);
-        if const { <K::Unknown as Components<T>>::LENGTH > 0 } && memory.tries().any() {
-            let solution = fixed_point::solve(equation, memory, &begin, first);
-            // numbers stay in registers; in lanes there are too few
-            if const { T::LANES == 1 }
-                && let Some(advanced) = advanced::<_, _, false>(equation, memory, &solution, time, control)
-            {
-                return Ok(advanced);
+        let (mut unsolved, mut aside) = (None, None);
+        let mut solution = loop {
+            let (begin, mut before) = (guess(equation, memory), None);
+            if const { <K::Unknown as Components<T>>::LENGTH > 0 } && memory.tries().any() {
+                let solution = fixed_point::solve(equation, memory, &begin, first);
+                // numbers stay in registers; in lanes there are too few
+                if const { T::LANES == 1 }
+                    && aside.is_none()
+                    && let Some(advanced) =
+                        advanced::<_, _, false>(equation, memory, &solution, time, control)
+                {
+                    return Ok(advanced);
+                }
+                before = Some(solution);
             }
-            before = Some(solution);
-        }
-        let mut solution = match before {
-            Some(solution) if solution.solved.all() => solution,
-            // a copy, so that iterations need no address
-            _ => by_newton(equation, memory, begin, before),
+            let solution = match before {
+                Some(solution) if solution.solved.all() => solution,
+                // a copy, so that iterations need no address
+                _ => by_newton(equation, memory, begin, before),
+            };
+            let solution = match unsolved {
+                Some(unsolved) => completed(equation, &unsolved, &solution),
+                None => solution,
+            };
+            if solution.solved.all() || !memory.predictor.remembers() {
+                break solution;
+            }
+            // once more as if nothing were remembered: what is hard to solve is solved as in a first step
+            (unsolved, aside, first) = (Some(solution), Some(memory.set_aside()), None);
         };
+        if let Some(aside) = aside {
+            memory.take_up(aside);
+        }
         let (mut errors, mut is_rescued) = (T::all(None), false);
         loop {
             let Accepted { next, good, inside } = accept(equation, &solution, time, control);
@@ -427,6 +444,34 @@ fn by_newton<T: Batch, K: Kernel<T>>(
     }
     let newton = Newton { equation, before: before.as_ref(), from: &from, elsewhere, rate };
     T::dispatch(newton)
+}
+
+/// A solution that was found in some lanes, completed by another one in the others.
+#[inline(always)]
+fn completed<T: Batch, K: Kernel<T>>(
+    equation: &AtState<'_, T, K>,
+    before: &SolutionOf<T, K>,
+    other: &SolutionOf<T, K>,
+) -> SolutionOf<T, K> {
+    if const { T::LANES == 1 } {
+        return Solution { quick: T::Mask::splat(false), ..*other };
+    }
+    let (known, mut completed) = (before.solved, *before);
+    completed.unknown = select(known, &before.unknown, &other.unknown);
+    completed.point = select(known, &before.point, &other.point);
+    completed.evaluation = equation.evaluate_apart(&completed.point);
+    completed.residual = T::select(known, before.residual, other.residual);
+    completed.rate = T::select(known, before.rate, other.rate);
+    completed.quick = known & before.quick;
+    completed.solved = known | other.solved;
+    let mut lane = 0;
+    while lane < T::LANES {
+        if !known.lane(lane) {
+            completed.iterations.as_mut()[lane] = other.iterations.as_ref()[lane];
+        }
+        lane += 1;
+    }
+    completed
 }
 
 /// Solves the lanes that are `wanted` once more, from nothing that is remembered. Returns what is wrong with them.

@@ -245,7 +245,12 @@ U_FN void K_learn_solution(const K_equation *q, K_memory *m, const REAL *solutio
     }
     K_one_over_sizes(solution, weights);
     off = K_weighted(weights, next, solution);
+//if newton
+    /* by one solution alone large steps are off by as much, and the motion shows by two */
+    known = m->count < 2 || off <= U_LOST ? m->count : 0;
+//else
     known = off <= U_LOST ? m->count : 0;
+//end
     m->count = known < U_WINDOW ? known + 1 : known;
     if (known > U_LOW) {
         K_polynomial(m, U_LOW, by_few);
@@ -595,7 +600,14 @@ U_FN S_status K_damped(const K_equation *q, const REAL *start, K_rescued *to, in
     K_roundoff(q, start, terms);
     if (!K_are_finite(terms)) {
         K_corrected(q, start, 0, &e, newest);
-        return S_is_finite(K_relative(e.residual, e.right)) ? U_NO_SOLUTION : U_NOT_FINITE;
+        now = (double)K_relative(e.residual, e.right);
+        if (!(now <= 0))
+            return now <= U_LARGEST_DOUBLE ? U_NO_SOLUTION : U_NOT_FINITE;
+        *is_direct = 1;
+        K_copy(to->unknown, start);
+        to->residual = ZERO;
+        to->evaluations = 1;
+        return U_OK;
     }
     *is_direct = 1;
     K_copy(to->unknown, start);
@@ -749,15 +761,46 @@ U_FN int K_accept(const K_equation *q, const K_solution *s, int given, S_state *
     return s->solved && *inside && given && S_state_is_finite(next);
 }
 
+/* Solves the equation by iterations and Newton's method, from where the solutions before point; whether a step can be taken. */
+U_FN int K_solve(const K_equation *q, const K_memory *m, const REAL *first, int given, K_solution *s, S_state *next, int *inside)
+{
+    REAL guess[SIZE], rate = m->rate;
+    int elsewhere = m->count > 0;
+    K_guess(q, m, guess);
+//if update
+    if (rate <= U_STRONG || m->due == 0) {
+        K_iterate(q, m, guess, first, s);
+        if (s->solved && K_accept(q, s, given, next, inside))
+            return 1;
+//if finds_any
+        /* what Newton's method contracts to may be any solution, and it may have come to it */
+        K_copy(guess, s->unknown);
+//else
+        elsewhere = elsewhere && !(rate <= U_STRONG);
+//end
+        rate = s->rate;
+    } else {
+        s->solved = 0;
+        s->iterations = 0;
+    }
+    if (!s->solved)
+//else
+    (void)first;
+    s->iterations = 0;
+//end
+        K_newton(q, guess, elsewhere, rate, s);
+    return K_accept(q, s, given, next, inside);
+}
+
 /* A step, with all that can happen. The state is `known` if it is the one that the last step led to; `first` is where a first iteration led to. */
 SLOW S_status K_slow(const K_constants *k, K_memory *m, const S_state *x TIMED_ARGUMENT CONTROL_ARGUMENT, int known, const REAL *first, S_state *next)
 {
     K_equation q;
     K_solution s;
-    REAL guess[SIZE], rate;
-    int given, inside, elsewhere;
-    S_status status = U_NO_CONVERGENCE;
     K_rescued rescued;
+    REAL rate, tolerance;
+    int given, inside, taken, count, due, interval, is_ready;
+    S_status status;
     if (!known)
         K_forget(m);
     q.constants = k;
@@ -765,34 +808,25 @@ SLOW S_status K_slow(const K_constants *k, K_memory *m, const S_state *x TIMED_A
     K_begin(&q TIMED_CALL CONTROL_CALL);
     /* what of these is not finite is not finite after the step either */
     given = GIVEN;
-    K_guess(&q, m, guess);
-    elsewhere = m->count > 0;
-    rate = m->rate;
-//if update
-    if (rate <= U_STRONG || m->due == 0) {
-        K_iterate(&q, m, guess, first, &s);
-        if (s.solved && K_accept(&q, &s, given, next, &inside)) {
-            K_learn(&q, m, &s);
-            return U_OK;
-        }
-//if finds_any
-        /* what Newton's method contracts to may be any solution, and it may have come to it */
-        K_copy(guess, s.unknown);
-//else
-        elsewhere = elsewhere && !(rate <= U_STRONG);
-//end
-        rate = s.rate;
-    } else {
-        s.solved = 0;
-        s.iterations = 0;
+    taken = K_solve(&q, m, first, given, &s, next, &inside);
+    if (!s.solved && m->count > 0) {
+        /* once more as if nothing were remembered: what is hard to solve is solved as in a first step */
+        rate = m->rate;
+        tolerance = m->tolerance;
+        count = m->count;
+        due = m->due;
+        interval = m->interval;
+        is_ready = m->is_ready;
+        K_forget(m);
+        taken = K_solve(&q, m, 0, given, &s, next, &inside);
+        m->rate = rate;
+        m->tolerance = tolerance;
+        m->count = count;
+        m->due = due;
+        m->interval = interval;
+        m->is_ready = is_ready;
     }
-    if (!s.solved)
-//else
-    (void)first;
-    s.iterations = 0;
-//end
-        K_newton(&q, guess, elsewhere, rate, &s);
-    if (K_accept(&q, &s, given, next, &inside)) {
+    if (taken) {
         K_learn(&q, m, &s);
         return U_OK;
     }
