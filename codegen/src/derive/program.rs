@@ -145,10 +145,11 @@ pub(crate) fn step<'a>(
     });
     let Step { blocks, bounded, iteration, unknown, .. } = step;
     let has_true_jacobian = matches!(iteration, Iteration::FixedPoint | Iteration::TrueNewton);
-    let is_newton = matches!(iteration, Iteration::Newton(_) | Iteration::TrueNewton);
+    let is_newton = !matches!(iteration, Iteration::FixedPoint);
     let is_chord = match &iteration {
+        Iteration::Chord(_) => true,
         Iteration::Newton(matrix) => !Vector(matrix.entries.clone()).depends_on(&unknown.symbols()),
-        _ => false,
+        Iteration::FixedPoint | Iteration::TrueNewton => false,
     };
     let is_long = module.values.places() > LONG;
     StepProgram {
