@@ -128,8 +128,9 @@ fn in_short(report: &Report) -> Report {
 }
 
 /// The meaning of the rows, one line each.
-const LEGEND: [(&str, &str); 22] = [
+const LEGEND: [(&str, &str); 23] = [
     ("order", "the error falls with this power of the step"),
+    ("series", "how much of its reach the series of a step uses"),
     ("group", "how far states are off it, at every tolerance"),
     ("error by tolerance", "of each step, in units of the tolerance"),
     ("energy by tolerance", "the energy's, likewise"),

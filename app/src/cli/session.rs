@@ -416,7 +416,11 @@ impl Session {
         if let (Some(store), None) = (store, interrupted) {
             store.remove();
         }
-        let too_far = [slowed, beyond_series].map(|note| note(&entry, &plan.setup, &plan.job, (time, &end)));
+        let states: Vec<_> = recorders.some.states().chain([(time, end.clone())]).collect();
+        let too_far = [
+            slowed(&entry, &plan.setup, &plan.job, (time, &end)),
+            beyond_series(&entry, &plan.setup, &plan.job, &states),
+        ];
         let kept = kept.iter().map(|path| format!("{} holds the whole run, and stays", path.display()));
         let is_event = |until: &str| Until::parse(&entry, until).is_ok_and(|until| until.condition.is_none());
         let until = plan.until.iter().map(|until| match (is_event(until), ended) {

@@ -7,6 +7,7 @@ mod events;
 mod page;
 mod rotations;
 mod samples;
+mod some_states;
 
 use coadjoint::erased::System;
 use serde::{Deserialize, Serialize};
@@ -18,6 +19,7 @@ pub use events::RecordedEvent;
 pub(crate) use page::{PageRecorder, PageSamples};
 pub(crate) use rotations::{Rotation, Rotations};
 pub(crate) use samples::{RecordedSample, Samples};
+pub(crate) use some_states::SomeStates;
 
 use crate::catalogue::Entry;
 
@@ -67,6 +69,8 @@ pub(crate) struct Recorders {
     pub(crate) events: Vec<RecordedEvent>,
     /// States that were written at times of their own.
     pub(crate) saved: u64,
+    /// What is looked at once more when the run is over.
+    pub(crate) some: SomeStates,
 }
 
 impl Recorders {
@@ -83,9 +87,10 @@ impl Recorders {
 
     /// Adds a sample to what is told of the run.
     pub(crate) fn watch(&mut self, system: &dyn System, sample: &Sample<'_>) {
-        let Self { conservation, off_group, .. } = self;
+        let Self { conservation, off_group, some, .. } = self;
         conservation.get_or_insert_with(|| ConservationReport::new(sample)).push(sample);
         *off_group = off_group.max(system.deviation(sample.state));
+        some.push(sample);
     }
 
     /// Adds a sample to what is drawn of it.

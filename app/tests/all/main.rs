@@ -19,5 +19,7 @@ mod program;
 mod quantities;
 #[cfg(unix)]
 mod reliability;
+#[cfg(feature = "description")]
+mod series;
 mod shards;
 mod terminal;

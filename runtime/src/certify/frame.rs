@@ -222,8 +222,12 @@ impl<'a> Frame<'a> {
 
     /// How far two states are apart, relative to their size.
     pub(super) fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
-        let both = a.iter().zip(b).zip(&self.weight);
-        both.map(|((a, b), weight)| (a - b).abs() / weight).fold(0.0, larger)
+        self.difference(a, b).into_iter().fold(0.0, |distance, part| larger(distance, part.abs()))
+    }
+
+    /// What one state has more than another, in each component relative to its size.
+    pub(super) fn difference(&self, a: &[f64], b: &[f64]) -> Vec<f64> {
+        a.iter().zip(b).zip(&self.weight).map(|((a, b), weight)| (a - b) / weight).collect()
     }
 
     /// Momenta and advected parameters.

@@ -7,18 +7,25 @@ use super::definition::ReferenceStep;
 use super::frame::{Degenerate, Frame, derivative, jacobian, larger, relative, slope, worst};
 use super::probe::KernelPart;
 use super::report::{Bound, Certificate, Report};
+use super::series::REACH;
 use crate::erased::{At, Description, Geometry, Method, NotGenerated, check};
 use crate::error::{ParameterError, StepError};
 use crate::method::Clock;
 use crate::retraction::RetractionKind;
 use crate::scheme::Rule;
-use crate::schemes::{ConservedCasimirs, Properties, Scheme};
+use crate::schemes::{ConservedCasimirs, Part, Properties, Scheme};
 use crate::stepper::check_step;
 
 /// Part of a radian, or of what else the motion takes, that a step covers unless another is asked for.
 pub(super) const STEP: f64 = 0.1;
-/// Differences of states below this are too near to roundoff to tell an order from.
-const NOISE: f64 = 3e-12;
+/// The longest step that an order is looked for at, in such steps.
+const LONGEST: f64 = 320.0;
+/// After how many half octaves it is a radian.
+const RADIAN: usize = 10;
+/// At how many states along the motion it is.
+const ALONG: usize = 8;
+/// How many times what rounding leaves of it a difference of states is to be, to tell an order from.
+const CLEAR: f64 = 40.0;
 
 /// Steps there and back.
 const RETURN: usize = 20;
@@ -53,6 +60,26 @@ pub struct Claimed<'a> {
     pub kernels: &'a dyn Fn(usize, &At<'_>) -> Option<KernelPart>,
 }
 
+impl Claimed<'_> {
+    /// The generated steps that a step is made of; none if there is no definition.
+    fn parts(&self, invariant: bool) -> Vec<Part> {
+        self.definition.as_ref().map(|scheme| scheme.parts(invariant, 1.0)).unwrap_or_default()
+    }
+
+    /// The order of the series of Hamilton–Jacobi steps among those.
+    fn series(&self, invariant: bool) -> Option<u32> {
+        self.parts(invariant).iter().find_map(|(_, rule, _)| match rule {
+            Rule::HamiltonJacobi(order) => Some(*order),
+            _ => None,
+        })
+    }
+
+    /// What rounding leaves of a step, in terms of what it does of one of those: errors are at random, and of many the root of their number is left.
+    fn rounding(&self, invariant: bool) -> f64 {
+        (self.parts(invariant).len().max(1) as f64).sqrt()
+    }
+}
+
 /// States to measure at, each with its control, and how.
 pub(super) struct Subject<'a> {
     pub(super) system: &'a dyn Geometry,
@@ -72,6 +99,14 @@ pub(super) struct Sample<'a> {
     pub(super) time: f64,
     pub(super) step: f64,
     pub(super) scheme: &'a Claimed<'a>,
+}
+
+/// How far two steps of half the length lead from where one does.
+#[derive(Clone, Copy)]
+struct Defect {
+    size: f64,
+    /// What rounding has of it.
+    noise: f64,
 }
 
 /// A figure; none if there is nothing to measure.
@@ -138,12 +173,12 @@ impl<'a> Certifier<'a> {
     /// What the scheme claims.
     fn scheme(&mut self, claimed: &Claimed<'_>) -> Result<(), CertifyError> {
         let claim = claimed.properties;
-        // such a step has a matrix of terms of lower order
-        let is_other = |(_, rule, _): &(_, Rule, _)| !matches!(rule, Rule::HamiltonJacobi(_));
-        let parts = claimed.definition.as_ref().map(|scheme| scheme.parts(self.description.invariant, 1.0));
-        let is_exact = parts.is_none_or(|parts| parts.iter().all(is_other));
         let order = f64::from(claim.order);
         self.certify("order", Some(Bound::AtLeast(order - (0.05 * order).max(0.15))), &Sample::order)?;
+        let series = claimed.series(self.description.invariant);
+        if let Some(order) = series {
+            self.certify("series", Some(Bound::AtMost(REACH)), &|sample| sample.series(order))?;
+        }
         self.certify("consistency", Some(Bound::AtMost(1e-9)), &Sample::consistency)?;
         self.certify("Poisson map", claim.poisson.then_some(Bound::AtMost(1e-9)), &Sample::poisson_map)?;
         for (index, name) in self.description.casimirs.iter().enumerate() {
@@ -162,12 +197,14 @@ impl<'a> Certifier<'a> {
             self.certify("energy drift", claimed(Bound::AtMost(0.5)), &Sample::energy_drift)?;
             self.certify("energy order", claimed(Bound::AtLeast(order - 0.5)), &Sample::energy_order)?;
         }
+        let most = 1e-13 * claimed.rounding(self.description.invariant);
         self.certify(
             "reversibility",
-            claim.symmetric.then_some(Bound::AtMost(1e-13)),
+            claim.symmetric.then_some(Bound::AtMost(most)),
             &Sample::reversibility,
         )?;
-        let bound = is_exact.then_some(Bound::AtMost(1e-6));
+        // such a step has a matrix of terms of lower order
+        let bound = series.is_none().then_some(Bound::AtMost(1e-6));
         self.certify("Newton correction", bound, &Sample::correction)?;
         self.certify("definition", Some(Bound::AtMost(1e-10)), &Sample::definition)?;
         self.warm()
@@ -262,43 +299,87 @@ impl Sample<'_> {
         if self.description.forced { 100 } else { 1000 }
     }
 
-    /// By the ends of one interval, crossed with ever shorter steps.
+    /// By what two steps of half the length change of one, which falls with the order and one more: at states along the motion, for ever shorter
+    /// steps, in half octaves. Over a few short steps rounding leaves less than over an interval, so that steps of high order are measured where
+    /// they are short; together these states have no error whose first term happens to vanish.
     fn order(&self) -> Figure {
-        // kinks lower it: of what has some, the shortest interval that shows an order, since that has none
-        let (shortest, longer) = if self.description.piecewise { (10.0 / 64.0, 7) } else { (10.0, 6) };
-        let mut interval = shortest * self.step;
-        for _ in 0..longer {
-            let mut last: Option<Vec<f64>> = None;
-            let mut errors = Vec::new();
-            for halvings in 0..10 {
-                let steps = 1 << halvings;
-                let mut end = self.state.to_vec();
-                match self.run(interval / steps as f64, steps, &mut |state| end = state.to_vec()) {
-                    Ok(()) => {}
-                    // too long a step, which shorter ones make up for
-                    Err(MeasureError::Step(_)) if halvings < 5 => {
-                        last = None;
-                        errors.clear();
-                        continue;
-                    }
-                    Err(trouble) => return Err(trouble),
-                }
-                if let Some(last) = &last {
-                    let error = self.frame.distance(last, &end);
-                    if !(error > NOISE) {
-                        break;
-                    }
-                    errors.push(error);
-                }
-                last = Some(end);
+        let states = self.along()?;
+        let mut defects = Vec::new();
+        for halves in 0..40 {
+            let step = LONGEST * self.step * 0.5_f64.powf(0.5 * f64::from(halves));
+            match self.defect(step, &states) {
+                Ok(defect) => defects.push(Some(defect)),
+                // too long a step, which shorter ones make up for
+                Err(MeasureError::Step(_)) if step.abs() > self.step.abs() => defects.push(None),
+                Err(trouble) => return Err(trouble),
             }
-            if let [.., _, b, c] = errors.as_slice() {
-                // nearest to the limit
-                return Ok(Some((b / c).log2()));
-            }
-            interval *= 2.0;
         }
-        Ok(None)
+        let is_clear =
+            |of: &Option<Defect>| of.is_some_and(|Defect { size, noise }| !(size <= CLEAR * noise));
+        let Some(finest) = defects.iter().rposition(is_clear) else { return Ok(None) };
+        let slope = |at: usize| {
+            let (long, short) = (defects.get(at.checked_sub(2)?)?.as_ref()?, defects[at].as_ref()?);
+            Some((long.size / short.size).log2() - 1.0)
+        };
+        // a slope is the order and what vanishes with the step: where it rises, it goes on as far as on a line, which is asked for up to the
+        // claim alone; by one octave of steps longer than a radian there is no telling
+        let claimed = f64::from(self.scheme.properties.order);
+        let settled = |at: usize| match (slope(at)?, at.checked_sub(1).and_then(slope)) {
+            (slope, Some(before)) => {
+                let limit = slope + (slope - before) / (2_f64.sqrt() - 1.0);
+                Some(slope.max(limit.min(claimed)))
+            }
+            (slope, None) => (at >= RADIAN).then_some(slope),
+        };
+        // nearest to the limit, of an octave the best
+        Ok((finest.saturating_sub(2)..=finest).filter_map(settled).reduce(f64::max))
+    }
+
+    /// The sample, and where a few steps lead from there; of what has kinks the sample alone, since none is near.
+    fn along(&self) -> Result<Vec<(f64, Vec<f64>)>, MeasureError> {
+        let mut states = vec![(self.time, self.state.to_vec())];
+        while states.len() < ALONG && !self.description.piecewise {
+            let (time, state) = &states[states.len() - 1];
+            match self.one(self.step, *time, state) {
+                Ok(next) => states.push((time + self.step, next)),
+                // that it cannot be taken is another certificate's
+                Err(MeasureError::Step(_)) => break,
+                Err(trouble) => return Err(trouble),
+            }
+        }
+        Ok(states)
+    }
+
+    /// What two steps of half the length change of one. What rounding has of it is how much it differs at states beside these, where the
+    /// difference itself is the same but for the last digits that it has.
+    fn defect(&self, step: f64, states: &[(f64, Vec<f64>)]) -> Result<Defect, MeasureError> {
+        let at = |time: f64, state: &[f64]| -> Result<Vec<f64>, MeasureError> {
+            let whole = self.one(step, time, state)?;
+            let mut halves = Vec::new();
+            self.steps((0.5 * step, 2), time, state, &mut |state| halves = state.to_vec())?;
+            Ok(self.frame.difference(&whole, &halves))
+        };
+        let square = |x: &mut dyn Iterator<Item = f64>| x.map(|x| x * x).sum::<f64>();
+        let (mut size, mut noise) = (0.0, 0.0);
+        for (time, state) in states {
+            let beside = self.frame.moved(state, RetractionKind::Exponential, &self.frame.element(|_| 1e-9));
+            let (here, beside) = (at(*time, state)?, at(*time, &beside)?);
+            size += square(&mut here.iter().copied());
+            noise += 0.5 * square(&mut here.iter().zip(&beside).map(|(here, beside)| here - beside));
+        }
+        let mean = |sum: f64| (sum / states.len() as f64).sqrt();
+        // at states that are a rounding apart it may be the same
+        let least = f64::EPSILON * self.scheme.rounding(self.description.invariant);
+        Ok(Defect { size: mean(size), noise: mean(noise).max(least) })
+    }
+
+    /// How much of its reach the series uses that a step is made of.
+    fn series(&self, order: u32) -> Figure {
+        let whole = self.one(self.step, self.time, self.state)?;
+        let mut halves = Vec::new();
+        self.run(0.5 * self.step, 2, &mut |state| halves.push(state.to_vec()))?;
+        let [middle, end] = &halves[..] else { return Ok(None) };
+        Ok(Some(self.frame.share(order, [self.state, middle, end, &whole]).0))
     }
 
     /// The derivative by the step's size at 0: by differences of long steps or of short ones, which have more digits of it where a force has a kink.
@@ -389,8 +470,9 @@ impl Sample<'_> {
     /// How much of the range of the energy's error is a straight line's.
     fn energy_drift(&self) -> Figure {
         let mut figure = None;
-        for length in [1, 4, 16, 64] {
-            let energies = self.energies(self.step, length * self.long())?;
+        // a slow oscillation is a line at first, and what becomes faster on its way may ask for shorter steps
+        for (halvings, length) in [(0, 1), (0, 4), (0, 16), (0, 64), (1, 64), (2, 64)] {
+            let energies = self.energies(self.step / f64::from(1 << halvings), length * self.long())?;
             let range = range(&energies);
             if range < 1e-11 * self.energy_size() {
                 return Ok(None);
@@ -401,7 +483,6 @@ impl Sample<'_> {
                 / times().map(|time| time * time).sum::<f64>();
             let share = slope.abs() * 2.0 * middle / range;
             figure = Some(share);
-            // a slow oscillation is a line at first
             if !self.scheme.properties.poisson || share < 0.5 {
                 break;
             }
@@ -409,15 +490,19 @@ impl Sample<'_> {
         Ok(figure)
     }
 
-    /// By the ranges of the energy's error with steps and half as long ones.
+    /// By the ranges of the energy's error along an interval with steps and half as long ones: in half octaves, of the shortest that show one the better.
     fn energy_order(&self) -> Figure {
-        let error = |halvings: usize| {
-            let step = self.step / (1 << halvings) as f64;
-            self.energies(step, 100 << halvings).map(|energies| range(&energies))
-        };
-        let (one, half) = (error(0)?, error(1)?);
-        let measurable = half > 1e-12 * self.energy_size();
-        Ok(measurable.then(|| (one / half).log2()))
+        let mut ranges: Vec<f64> = Vec::new();
+        for halves in 0..9 {
+            let steps = (100.0 * 2_f64.powf(0.5 * f64::from(halves))).round();
+            let range = range(&self.energies(100.0 * self.step / steps, steps as usize)?);
+            if !(range > 1e-12 * self.energy_size()) {
+                break;
+            }
+            ranges.push(range);
+        }
+        let slopes = ranges.windows(3).map(|ranges| (ranges[0] / ranges[2]).log2());
+        Ok(slopes.rev().take(2).reduce(f64::max))
     }
 
     /// Steps, and as many back that start when the last one ends: one, and some with one stepper there and one back.

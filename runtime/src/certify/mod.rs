@@ -30,13 +30,14 @@
 //!
 //! | certificate | figure | holds if |
 //! |---|---|---|
-//! | order | slope of the error by successive halvings of the step | claimed order, less 0.15 or a twentieth of it |
+//! | order | slope of a step's error by its length, where that is far above rounding and nearest to 0 | claimed order, less 0.15 or a twentieth of it |
+//! | series | what a Hamilton–Jacobi step uses of its series' reach: the root of what two half as long ones change of it, as a part of their way | ≤ 0.35 |
 //! | consistency | the step's derivative by its size, less the motion | ≤ 1e-9 |
 //! | Poisson map | `D P Dᵀ − P'`, `D` the step's derivative | ≤ 1e-9 |
 //! | Casimirs | drift over a thousand steps (a hundred where a force acts) | ≤ 1e-11 |
-//! | energy drift | drift by linear fit, as a part of the error's range, over a thousand steps, or four, sixteen or sixty-four thousand | ≤ ½ |
-//! | energy order | slope of the energy's error | claimed order less ½ |
-//! | reversibility | distance from the start after a step and one back, and after twenty and twenty back | ≤ 1e-13 |
+//! | energy drift | drift by linear fit, as a part of the error's range, over a thousand steps, or four, sixteen or sixty-four thousand, or as many shorter ones | ≤ ½ |
+//! | energy order | slope of the energy's error, with the shortest steps that show one | claimed order less ½ |
+//! | reversibility | distance from the start after a step and one back, and after twenty and twenty back | ≤ 1e-13, times √n for n steps in one |
 //! | Newton correction | difference from the one with a differenced Jacobian | ≤ 1e-6, but for Hamilton–Jacobi steps |
 //! | definition | distance from a step that knows no closed form | ≤ 1e-10 |
 //! | warm steps | distance of steps along 2,500, by one stepper, from those of equations solved in twice the digits | ≤ 8 |
@@ -74,6 +75,7 @@ mod measure;
 mod neighbourhood;
 mod probe;
 mod report;
+mod series;
 mod taylor;
 mod warm;
 
@@ -89,6 +91,8 @@ pub use measure::Claimed;
 #[doc(hidden)]
 pub use probe::{KernelPart, kernel};
 pub use report::{Bound, Certificate, Report, Verdict};
+#[doc(hidden)]
+pub use series::REACH;
 pub use taylor::certify_taylor;
 
 use crate::erased::{self, At, Flat, NotGenerated};

@@ -4,10 +4,11 @@
 
 use std::sync::Arc;
 
-use coadjoint::certify::certify;
+use coadjoint::certify::{Certification, Claimed, Verdict, certify, certify_erased};
+use coadjoint::composition::{Coefficients, KahanLi8};
 use coadjoint::derivative::WrtState;
 use coadjoint::prelude::*;
-use coadjoint::{Discretized, Ensemble, SchemeType, StepError, System, erased};
+use coadjoint::{Discretized, Ensemble, Scheme, SchemeType, StepError, System, erased};
 
 /// A free rigid body.
 #[lie_poisson_system(
@@ -241,6 +242,87 @@ fn it_is_certified() {
     let (system, start) = pendulum();
     let report = certify::<HamiltonJacobi, _>(&system, &[start]).unwrap();
     assert!(report.passed(), "{report}");
+}
+
+/// Steps of high order are measured as such, and what is of a lower one is found out.
+#[test]
+fn claims_of_a_higher_order_fail() {
+    type Of<const P: u32> = HamiltonJacobi<Exponential, P>;
+    fn failing<C: SchemeType, M: 'static>() -> Vec<String>
+    where
+        Body: Discretized<M>,
+    {
+        let (system, start) = body();
+        let certification = Certification::new(&system).states(&[start]);
+        let (properties, definition) =
+            (C::scheme().properties(&erased::Description::of::<Body>()), Some(C::scheme()));
+        let report = certification.run_as(&Claimed {
+            name: "boast".into(),
+            properties,
+            definition,
+            method: &certification.method::<M>(),
+            kernels: &|_, _| None,
+        });
+        let report = report.unwrap();
+        println!("{report}");
+        report.failures().map(|certificate| certificate.name.clone()).collect()
+    }
+    assert!(failing::<Of<8>, Of<8>>().is_empty() && failing::<Of<10>, Of<10>>().is_empty());
+    assert!(failing::<Of<8>, Of<6>>().contains(&"order".into()));
+    assert!(failing::<Of<10>, Of<8>>().contains(&"order".into()));
+}
+
+/// Of the coefficients of order 8, with one off by 10⁻⁶ and another by as much the other way.
+struct Off;
+
+impl Coefficients for Off {
+    type Steps<X: Clone + Send + Sync> = [X; 17];
+    const ORDER: u32 = 8;
+    const GAMMA: &'static [f64] = &{
+        let mut gamma = [0.0; 17];
+        let mut k = 0;
+        while k < 17 {
+            gamma[k] = KahanLi8::GAMMA[k];
+            k += 1;
+        }
+        gamma[0] += 1e-6;
+        gamma[16] += 1e-6;
+        gamma[1] -= 1e-6;
+        gamma[15] -= 1e-6;
+        gamma
+    };
+
+    fn steps<X: Clone + Send + Sync>(make: impl FnMut(usize) -> X) -> [X; 17] {
+        std::array::from_fn(make)
+    }
+}
+
+#[test]
+fn a_coefficient_that_is_off_by_little_is_found() {
+    let (system, start) = body();
+    let states = [start.to_components().to_vec()];
+    let base = Exponential::scheme();
+    let verdict = |scheme: &Scheme| {
+        let report = certify_erased(&system, scheme, &states, &[], 0.0, None).unwrap();
+        println!("{report}");
+        report.certificate("order").unwrap().verdict
+    };
+    assert_eq!(verdict(&Scheme::composed::<KahanLi8>(base.clone())), Verdict::Passed);
+    assert_eq!(verdict(&Scheme::composed::<Off>(base)), Verdict::Failed);
+}
+
+/// How much of its reach a series uses is measured, and that a step beyond it is not.
+#[test]
+fn a_step_beyond_its_series_is_not_certified() {
+    let (system, start) = body();
+    let share = |step: f64| {
+        let certification = Certification::new(&system).states(&[start]).step(step);
+        certification.run::<HamiltonJacobi>().unwrap().certificate("series").unwrap().clone()
+    };
+    let [short, twice, long] = [0.25, 0.5, 2.0].map(share);
+    assert!((twice.figure / short.figure - 2.0).abs() < 0.1, "{} {}", short.figure, twice.figure);
+    assert_eq!([short.verdict, long.verdict], [Verdict::Passed, Verdict::Failed], "{}", long.figure);
+    assert!(certify::<Exponential, _>(&system, &[start]).unwrap().certificate("series").is_none());
 }
 
 /// Beyond where the series makes sense there may be no solution, and the state is as it was.
