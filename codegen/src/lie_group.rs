@@ -187,7 +187,8 @@ pub(crate) fn request_definition(
 /// The first function that expressions call, or that one of those calls, and that is not known.
 fn missing_function(attribute: &Attribute) -> Option<syn::Path> {
     let energies = attribute.energies.iter().map(|(_, value)| value);
-    let values = energies.chain(attribute.forces.iter().map(|force| &force.value));
+    let events = attribute.events.iter().map(|event| &event.value);
+    let values = energies.chain(attribute.forces.iter().map(|force| &force.value)).chain(events);
     let called = values.flat_map(|value| calls(value.to_token_stream()));
     let mut called = called.chain(attribute.functions.iter().flat_map(OwnFunction::calls));
     called.find(|path| attribute.functions.iter().all(|function| function.path != *path))

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use super::path::{followed, is_special, is_stdout, read_file};
+use crate::catalogue::quantities::components;
 use crate::catalogue::{Entry, Interpolation, program, unit};
 use crate::error::{FileError, SetupError};
 use crate::setup::{Classical, Column, Job, Method, Order, Retraction, Setup, assignments};
@@ -113,7 +114,11 @@ impl Provenance {
         let held = setup.controls.iter().any(Option::is_some);
         let controls = if held { by_name(description.controls, &setup.controls) } else { Map::new() };
         let names = [description.parameters, description.state, description.controls];
-        let units = names.into_iter().flatten().map(|quantity| (quantity.name, unit(quantity)));
+        let whole = names.into_iter().flatten().map(|quantity| (quantity.name.to_owned(), unit(quantity)));
+        let parts = names.into_iter().flat_map(components).filter(|part| unit(part.quantity).is_empty());
+        let own = entry.observables.iter().map(|own| (own.name.clone(), &*own.unit));
+        let units = whole.chain(parts.map(|part| (part.name, part.unit)));
+        let units = units.chain([("energy".to_owned(), entry.energy_unit)]).chain(own);
         let units = units.filter(|(_, unit)| !unit.is_empty());
         Self {
             program: program()[0].to_owned(),
@@ -125,7 +130,7 @@ impl Provenance {
             parameters: by_name(description.parameters, &setup.parameters),
             state: by_name(description.state, &setup.state),
             controls,
-            units: units.map(|(name, unit)| (name.to_owned(), json!(unit))).collect(),
+            units: units.map(|(name, unit)| (name, json!(unit))).collect(),
             method: job.method.to_string(),
             retraction: classical.is_none().then_some(job.retraction),
             order: classical.map_or(job.order.number(), Classical::order),

@@ -5,7 +5,7 @@
 use coadjoint::certify::Certification;
 use coadjoint::derivative::{WrtParameters, WrtState};
 use coadjoint::prelude::*;
-use coadjoint::{Ensemble, StepError};
+use coadjoint::{Ensemble, Run, StepError};
 
 mod air {
     use coadjoint::expression;
@@ -102,7 +102,13 @@ fn a_function_may_be_local() {
         if x.abs() < 1.0 { -depth * (1.0 - x * x).powi(2) } else { 0.0 }
     }
 
-    #[lie_poisson_system(group = R1, potential = well(position.x, depth))]
+    // in an event alone
+    #[expression]
+    fn right(x: f64) -> f64 {
+        2.0 * x
+    }
+
+    #[lie_poisson_system(group = R1, potential = well(position.x, depth), event(middle = right(position.x)))]
     struct Trap {
         #[inertia]
         mass: f64,
@@ -114,7 +120,22 @@ fn a_function_may_be_local() {
     let start = trap.energy(&state);
     assert_eq!(start, well(0.5, 2.0));
     let mut stepper = trap.stepper::<Order4<Exponential>>(0.01).unwrap();
-    (0..1000).for_each(|_| _ = stepper.step(&mut state).unwrap());
+    let (mut passes, mut last) = (0, state.position.x);
+    Run::new(&mut stepper, &mut state)
+        .on("middle", |event| {
+            assert!(event.state().position.x.abs() < 1e-12);
+            passes += 1;
+        })
+        .to(10.0)
+        .unwrap();
+    let mut again = (TrapState { position: vector![0.5], momentum: vector![0.0] }, 0);
+    let mut stepper = trap.stepper::<Order4<Exponential>>(0.01).unwrap();
+    for _ in 0..1000 {
+        stepper.step(&mut again.0).unwrap();
+        again.1 += u32::from(again.0.position.x * last < 0.0);
+        last = again.0.position.x;
+    }
+    assert!(passes == again.1 && passes > 3, "{passes} instead of {}", again.1);
     assert!((trap.energy(&state) - start).abs() < 1e-7);
 }
 
