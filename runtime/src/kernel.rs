@@ -114,8 +114,7 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
     fn is_newton(&self) -> bool {
         Self::IS_NEWTON
     }
-    /// Whether Newton's matrix is that of the beginning of a step, or of the first terms of its equation: what such steps contract to strongly is one
-    /// solution alone.
+    /// Whether Newton's matrix is that of the beginning of a step: what such steps contract to strongly is one solution alone.
     const IS_CHORD: bool = false;
     /// [`IS_CHORD`](Self::IS_CHORD)
     #[inline(always)]

@@ -147,9 +147,8 @@ pub(crate) fn step<'a>(
     let has_true_jacobian = matches!(iteration, Iteration::FixedPoint | Iteration::TrueNewton);
     let is_newton = !matches!(iteration, Iteration::FixedPoint);
     let is_chord = match &iteration {
-        Iteration::Chord(_) => true,
         Iteration::Newton(matrix) => !Vector(matrix.entries.clone()).depends_on(&unknown.symbols()),
-        Iteration::FixedPoint | Iteration::TrueNewton => false,
+        _ => false,
     };
     let is_long = module.values.places() > LONG;
     StepProgram {

@@ -39,7 +39,7 @@ pub enum Iteration<'a> {
     /// `x ← left⁻¹(right(x))`, which contracts by about the angle of a step.
     FixedPoint,
     /// The simplified Newton iteration with this matrix: of first terms. A step ends from the last iterate, not from
-    /// what was evaluated for it. Where it contracts strongly there is one solution.
+    /// what was evaluated for it.
     Chord(Matrix<'a>),
     /// The same with nearly the true Jacobian, so that little is left after an iteration.
     Newton(Matrix<'a>),

@@ -436,7 +436,7 @@ fn by_newton<T: Batch, K: Kernel<T>>(
     if let Some(before) = &before {
         // iterations that contract strongly lead to one solution alone; Newton's do so to any, and may have come to it
         let finds_any = equation.kernel.finds_any();
-        let is_sure = memory.is_strong() & T::Mask::splat(!finds_any);
+        let is_sure = memory.is_strong() & T::Mask::splat(!equation.kernel.is_newton());
         (elsewhere, rate) = (elsewhere & !is_sure, before.rate);
         if finds_any {
             from = before.unknown;

@@ -131,17 +131,18 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, o
         let step = step_of(coarse, order, Some(&left)).0;
         whole.residual_of(&step).map(Expr::with_short_stumpff)
     };
-    if whole.unknown.len() <= FEW {
-        let matrix = jacobian(&residual_of(COARSE));
+    let fine = (whole.unknown.len() <= FEW).then(|| jacobian(&residual_of(COARSE)));
+    if let Some(matrix) = &fine {
         let operations = Vector(matrix.entries.clone()).operations();
         if operations <= (&whole.left - &whole.right).operations().max(SHORT) {
-            return Step { iteration: Iteration::Newton(matrix.clone()), matrix, ..whole };
+            return Step { iteration: Iteration::Newton(matrix.clone()), matrix: matrix.clone(), ..whole };
         }
     }
     let residual = residual_of(2);
     let increments = increments(system, retraction, member, &whole);
     let iteration = Iteration::Chord(jacobian(&linear(&residual, &increments)));
-    Step { matrix: jacobian(&residual), iteration, ..whole }
+    // what iterations do not solve is worth the longer one
+    Step { matrix: fine.unwrap_or_else(|| jacobian(&residual)), iteration, ..whole }
 }
 
 /// The unknowns that are increments, not momenta.

@@ -775,6 +775,8 @@ U_FN int K_solve(const K_equation *q, const K_memory *m, const REAL *first, int 
 //if finds_any
         /* what Newton's method contracts to may be any solution, and it may have come to it */
         K_copy(guess, s->unknown);
+//end
+//if newton
 //else
         elsewhere = elsewhere && !(rate <= U_STRONG);
 //end
