@@ -66,7 +66,7 @@ pub(super) struct Memory<T: Batch, U> {
     is_ready: bool,
 }
 
-/// What says what of a memory is of use.
+/// The numbers of a memory that tell how much of it is of use.
 #[derive(Clone, Copy)]
 pub(super) struct Aside<T: Batch> {
     count: (T, bool),

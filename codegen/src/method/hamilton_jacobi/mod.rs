@@ -83,12 +83,12 @@ pub fn is_for(system: &System<'_>) -> bool {
     !by_velocity(system) || matches!(system.momentum_relation(), Relation::Explicit(_))
 }
 
-/// Whether there is but the generating function of the velocity, or what is left of it.
+/// Whether the only generating function is that of the velocity.
 fn by_velocity(system: &System<'_>) -> bool {
     matches!(system.energy, Energy::Lagrangian(_)) || system.is_forced()
 }
 
-/// Whether there are generating functions of both: the one whose step takes fewer operations is taken.
+/// Whether the momentum has a generating function, too.
 fn has_both(system: &System<'_>) -> bool {
     matches!(system.energy, Energy::Mechanical { .. })
 }
