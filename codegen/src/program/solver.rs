@@ -51,7 +51,7 @@ pub const CONSTANTS: &[Constant] = &[
     constant("ITERATIONS", &[12.0], "the most fixed-point iterations of a step"),
     constant("HARDLY", &[0.025], "the change of a last iteration is this over the squared rate, in units"),
     constant("TOLERANCE", &[8.0, 128.0, 16.0], "but no less and no more than this; the last one is for all iterations but the first"),
-    constant("NEWTON", &[2.0, 1e6], "the same of simplified Newton steps: over the rate, and no more than the second"),
+    constant("NEWTON", &[2.0, 1e7], "the same of simplified Newton steps: over the rate, and no more than the second"),
     constant("QUICK", &[0.04], "the largest rate of which that is as much as the last tolerance"),
     constant("SHARP", &[256.0], "changes from here on show the rate, in units"),
     constant("INTERVALS", &[16.0, 2048.0], "steps between two measurements of the rate, at first and in the long run"),

@@ -35,8 +35,9 @@ pub(super) const LEFT: f64 = 4.0;
 /// direction to another.
 pub(super) const FORGETS: f64 = 0.25;
 /// The change of a last simplified Newton step is `c / rate`: it leaves `c` units, for the state is made of what it leads to. But it
-/// is no more than the second number, in units.
-pub(super) const NEWTON: [f64; 2] = [2.0, 1e6];
+/// is no more than the second number, in units: with the matrix of an iterate a part of its square is left, too, and that of 1e7 units is a
+/// fiftieth of one.
+pub(super) const NEWTON: [f64; 2] = [2.0, 1e7];
 /// The largest rate of contraction of which `c / rate²` is as much as the last of these.
 pub(super) const QUICK: f64 = 0.04;
 /// Changes from here on show the rate of contraction, in units. Of Newton's method, which leaves a part of the change's
