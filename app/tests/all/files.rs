@@ -57,8 +57,8 @@ fn beside_every_file_it_says_what_made_it_and_it_can_be_made_again() {
     assert_eq!(run["step"].to_string(), "0.0031415926535897933");
     assert_eq!(run["parameters"]["weight"].to_string(), "9.806649999999998");
     assert_eq!((&run["controls"]["motor"], &run["units"]["inertia"]), (&json!(-0.001), &json!("kg m²")));
-    // what the description says of the energy, it has not said
-    assert_eq!((&run["units"]["power"], &run["units"]["energy"]), (&json!("W"), &Value::Null));
+    // an observable's own, and that of the energy, which the description leaves to the library
+    assert_eq!((&run["units"]["power"], &run["units"]["energy"]), (&json!("W"), &json!("J")));
     assert_eq!(run["state"]["momentum"], json!(0.1));
     for name in files.iter().filter(|name| **name != "page.html") {
         assert_eq!(run["files"][name.as_str()], "complete", "{name}");
