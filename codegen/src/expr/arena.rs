@@ -245,12 +245,61 @@ impl Arena {
         {
             return self.intern(Node::Number(value));
         }
+        if function == Function::Sqrt
+            && let Some(root) = self.root_of_squares(argument)
+        {
+            return root;
+        }
         let before = self.len();
         let id = self.intern(Node::Function(function, argument));
         if function == Function::Sqrt && self.len() > before {
             self.note_radicand(argument);
         }
         id
+    }
+
+    /// The root of what squares are a factor of: `√(s²) = s`, where `s` is no less than zero, and `√(f² x + f² y) = |f| √(x + y)`.
+    fn root_of_squares(&self, argument: Id) -> Option<Id> {
+        let half = |&(factor, e): &(Id, i32)| match self.is_nonnegative(factor) {
+            true => (factor, e / 2),
+            false => (self.function(Function::Sqrt, self.product(Number::ONE, [(factor, 2)])), e / 2),
+        };
+        let sum = match self.node(argument) {
+            Node::Product(factors) => {
+                let [(square, e)] = factors[..] else { return None };
+                let is_square = e % 2 == 0 && matches!(self.node(square), Node::Sum(_));
+                return (is_square && self.is_nonnegative(square))
+                    .then(|| self.product(Number::ONE, [(square, e / 2)]));
+            }
+            Node::Sum(sum) if sum.terms.len() > 1 && sum.constant.is_zero() => sum,
+            _ => return None,
+        };
+        let factors = |term: Id| match self.node(term) {
+            Node::Product(factors) => factors.to_vec(),
+            _ => Vec::new(),
+        };
+        let mut common = factors(sum.terms[0].0);
+        common.retain(|(_, e)| e % 2 == 0);
+        for &(term, _) in &sum.terms[1..] {
+            if common.is_empty() {
+                return None;
+            }
+            let other = factors(term);
+            common.retain(|factor| other.contains(factor));
+        }
+        if common.is_empty() {
+            return None;
+        }
+        let (_, first) = sum.terms[0];
+        let size = first.exact_sqrt().filter(|_| sum.terms.iter().all(|&(_, c)| c == first));
+        let (size, per_size) = size.map_or((Number::ONE, Number::ONE), |size| (size, first.powi(-1)));
+        let inverse: Vec<_> = common.iter().map(|&(factor, e)| (factor, -e)).collect();
+        let rest = |&(term, c): &(Id, Number)| {
+            (self.product(Number::ONE, inverse.iter().copied().chain([(term, 1)])), c * per_size)
+        };
+        let rest = self.sum(Number::ZERO, sum.terms.iter().map(rest).collect::<Vec<_>>());
+        let root = self.function(Function::Sqrt, rest);
+        Some(self.product(size, common.iter().map(half).chain([(root, 1)]).collect::<Vec<_>>()))
     }
 
     pub(crate) fn power(&self, base: Id, exponent: Id) -> Id {

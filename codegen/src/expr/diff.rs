@@ -100,11 +100,24 @@ impl<'a> Vector<'a> {
 
     /// `∂self_i / ∂symbol_j`
     pub fn jacobian(&self, symbols: &[Symbol]) -> Matrix<'a> {
+        self.jacobian_by(symbols, Derivative::new)
+    }
+
+    /// The same, for what is [not differentiated again](Derivative::last).
+    pub fn last_jacobian(&self, symbols: &[Symbol]) -> Matrix<'a> {
+        self.jacobian_by(symbols, |arena, symbol| Derivative::new(arena, symbol).last())
+    }
+
+    fn jacobian_by(
+        &self,
+        symbols: &[Symbol],
+        derivative: impl Fn(&'a Arena, Symbol) -> Derivative<'a>,
+    ) -> Matrix<'a> {
         let columns: Vec<Vec<Expr<'a>>> = symbols
             .iter()
             .map(|&symbol| match self.0.first() {
                 Some(first) => {
-                    let mut derivative = Derivative::new(first.arena, symbol);
+                    let mut derivative = derivative(first.arena, symbol);
                     self.iter().map(|x| derivative.of(x)).collect()
                 }
                 None => Vec::new(),
@@ -133,6 +146,12 @@ impl<'a> Derivative<'a> {
     pub fn along(arena: &'a Arena, direction: &[(Symbol, Expr<'a>)]) -> Self {
         let direction = direction.iter().map(|&(symbol, component)| (symbol, component.id)).collect();
         Self { arena, direction, known: FxHashMap::default(), limits: Limits::default() }
+    }
+
+    /// For derivatives that are not differentiated again: where something of the state is zero they may have a limit that they have not elsewhere.
+    #[must_use]
+    pub fn last(self) -> Self {
+        Self { limits: Limits::of_last_derivatives(), ..self }
     }
 
     /// Takes the derivative of one expression as known, wherever it occurs.

@@ -15,7 +15,7 @@ use crate::group::{Group, Product, Semidirect, consecutive, part_name};
 use crate::identifiers::{plain, velocity_name};
 use crate::language::{COMPONENTS, Scope, Value, by_index, lower_forces, lower_scalar};
 use crate::parse::{self, Control, Unit};
-use crate::quantity::{Kind, Role, Shape, Side};
+use crate::quantity::{Kind, Role, ScalarType, Shape, Side};
 
 impl<'a> System<'a> {
     /// The system that a description describes; problems in its expressions are reported, and what they concern is left
@@ -301,13 +301,15 @@ impl<'a> Builder<'_, 'a> {
 
     /// Lowers the user's energies; zero for one that has no meaning.
     fn energies(&mut self, sources: &mut Sources) -> Vec<(EnergyKey, Expr<'a>)> {
+        let is_single = self.description.scalar == ScalarType::F32;
         let lower = |key: EnergyKey| {
             let source = by_index(self.description.attribute.energy(key)?, &self.coordinates);
             self.scope.forbid(self.forbidden(key));
             let value = lower_scalar(key.row().what, &source, &mut self.scope, self.arena, self.diagnostics);
             self.scope.forbid(Vec::new());
             sources.energies.push(EnergySource { key, value: source, has_meaning: value.is_some() });
-            Some((key, value.map_or_else(|| self.arena.zero(), Expr::with_limits)))
+            let at_zero = |value: Expr<'a>| value.with_lengths(is_single).with_limits();
+            Some((key, value.map_or_else(|| self.arena.zero(), at_zero)))
         };
         EnergyKey::ALL.into_iter().filter_map(lower).collect()
     }
@@ -315,6 +317,8 @@ impl<'a> Builder<'_, 'a> {
     /// The forces, each on its factor.
     fn forces(&mut self, group: &Product, factors: &mut [Factor<'a>], sources: &mut Sources) {
         let (arena, scope) = (self.arena, &mut self.scope);
+        let is_single = self.description.scalar == ScalarType::F32;
+        let at_zero = |component: Expr<'a>| component.with_lengths(is_single).with_limits_of_force();
         for force in &self.description.forces {
             let first = force.factors.as_ref().map(|factors| factors.indices().start);
             let length = match &force.factors {
@@ -329,7 +333,7 @@ impl<'a> Builder<'_, 'a> {
             let mut values = values.unwrap_or_default().into_iter();
             for factor in &mut factors[acted.indices()] {
                 // of a force in error, whatever it is
-                let value = values.next().map(|value| value.map(Expr::with_limits));
+                let value = values.next().map(|value| value.map(at_zero));
                 factor.force = Some(value.unwrap_or_else(|| Vector::zeros(arena, factor.momentum.len())));
             }
         }

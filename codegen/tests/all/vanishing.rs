@@ -28,7 +28,7 @@ fn angle<'a>([x, y, z, w]: [Expr<'a>; 4]) -> Expr<'a> {
 }
 
 /// Without a derivative at zero.
-const ROUGH: [(&str, Energy); 7] = [
+const ROUGH: [(&str, Energy); 9] = [
     ("|v|", |v| power(v, 1.0)),
     ("√|v|", |v| power(v, 0.5)),
     ("|v| exp x", |v| power(v, 1.0) * v[0].apply(Function::Exp)),
@@ -36,6 +36,8 @@ const ROUGH: [(&str, Energy); 7] = [
     ("angle", angle),
     ("(|v| − 1)²", |v| (power(v, 1.0) - 1).powi(2)),
     ("1/|v|", |v| power(v, -1.0)),
+    ("exp |v| − 1", |v| power(v, 1.0).apply(Function::Exp) - 1),
+    ("|v| cos |v|", |v| power(v, 1.0) * power(v, 1.0).apply(Function::Cos)),
 ];
 
 /// With a derivative, but without a second one.
@@ -51,7 +53,7 @@ const ONCE: [(&str, Energy); 8] = [
 ];
 
 /// With two derivatives, or all of them.
-const SMOOTH: [(&str, Energy); 33] = [
+const SMOOTH: [(&str, Energy); 36] = [
     ("|v|²", |v| power(v, 2.0)),
     ("|v|³", |v| power(v, 3.0)),
     ("|v|⁵", |v| power(v, 5.0)),
@@ -85,6 +87,21 @@ const SMOOTH: [(&str, Energy); 33] = [
     ("sin²(angle + angle³/50)", |v| (angle(v) + angle(v).powi(3) / 50).apply(Function::Sin).powi(2)),
     ("angle |v| exp x", |v| angle(v) * power(v, 1.0) * v[0].apply(Function::Exp)),
     ("angle³", |v| angle(v).powi(3)),
+    ("(1 + |v|) exp(−|v|)", |v| (power(v, 1.0) + 1) * (-power(v, 1.0)).apply(Function::Exp)),
+    ("(v · v/|v|)²", |[x, y, z, w]| {
+        let r = power([x, y, z, w], 1.0);
+        (x * x / r + y * y / r + z * z / r).powi(2).with_limits()
+    }),
+    ("(|v|²)²^½", |v| power(v, 2.0).powi(2).sqrt()),
+];
+
+/// With a derivative that is known, and a second one that is not.
+const BEGUN: [(&str, Energy); 5] = [
+    ("|v| − sin |v|", |v| power(v, 1.0) - power(v, 1.0).apply(Function::Sin)),
+    ("|v| − ln(1 + |v|)", |v| power(v, 1.0) - (power(v, 1.0) + 1).apply(Function::Ln)),
+    ("|v| (1 − exp(−|v|))", |v| power(v, 1.0) * (-(-power(v, 1.0)).apply(Function::Exp) + 1)),
+    ("(√(1 + |v|) − 1) |v|", |v| ((power(v, 1.0) + 1).sqrt() - 1) * power(v, 1.0)),
+    ("(exp |v| − 1) y", |v| (power(v, 1.0).apply(Function::Exp) - 1) * v[1]),
 ];
 
 /// A function with its derivatives, of numbers.
@@ -162,7 +179,7 @@ const DISTANCES: [f64; 13] =
 
 #[test]
 fn derivatives_that_exist_are_there_at_zero() {
-    for (what, energy) in ONCE.into_iter().chain(SMOOTH) {
+    for (what, energy) in ONCE.into_iter().chain(BEGUN).chain(SMOOTH) {
         let Derived { value, gradient, forward, .. } = derived(energy);
         // of what has one derivative, the difference is off by as much as the root of the step
         let expected = differences(|v| vec![value(v)], ORIGIN, 1e-7);
@@ -192,7 +209,7 @@ fn second_derivatives_that_exist_are_there_at_zero() {
 
 #[test]
 fn away_from_zero_derivatives_are_limits_of_differences() {
-    let all = SMOOTH.into_iter().chain(ONCE).chain(ROUGH);
+    let all = SMOOTH.into_iter().chain(ONCE).chain(BEGUN).chain(ROUGH);
     for (what, energy) in all {
         let Derived { value, gradient, hessian, .. } = derived(energy);
         for at in [[0.3, -0.2, 0.4, 0.8], [0.0, 0.3, 0.0, 0.9], [0.4, 0.0, 0.0, -0.3], [2e-3, 1e-3, 0.0, 1.1]]
@@ -386,4 +403,54 @@ fn angle_and_scaled_axis_are_smooth_but_at_half_a_turn() {
     let half_turn = [0.6, 0.0, 0.8, 0.0];
     assert!((scaled_axis[0].value)(half_turn).is_nan());
     assert!((squared.gradient)(half_turn).iter().any(|x| !x.is_finite()));
+}
+
+/// What is bounded where a root is zero vanishes with a factor that is zero there by its value: a parameter, or in
+/// derivatives that are not taken again something of the state.
+#[test]
+fn factors_that_are_zero_decide() {
+    let arena = Arena::new();
+    let [x, y, u, w] = ["x", "y", "u", "w"].map(|name| arena.symbol(name, Stage::Step));
+    let [rest, exponent] = ["rest", "exponent"].map(|name| arena.symbol(name, Stage::Parameters));
+    let all = Vector(vec![x, y, u, w, rest, exponent]);
+    let symbols = all.symbols();
+    let at = |vector: &Vector<'_>, values: [f64; 6]| {
+        vector.evaluate(&|symbol| {
+            values[symbols.iter().position(|other| *other == symbol).expect("one of them")]
+        })
+    };
+    let r = (x * x + y * y).sqrt();
+
+    // a spring, at its anchor, by its length at rest
+    let spring = gradient((r - rest).powi(2).with_lengths(false), &symbols[..2]);
+    assert_eq!(at(&spring, [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]), [0.0, 0.0]);
+    assert!(at(&spring, [0.0, 0.0, 0.0, 0.0, 0.5, 0.0]).iter().all(|x| x.is_nan()));
+    assert_close("spring", &at(&spring, [3.0, 4.0, 0.0, 0.0, 0.0, 0.0]), &[6.0, 8.0], 1e-15);
+    assert_eq!(at(&spring, [3.0, 4.0, 0.0, 0.0, 5.0, 0.0]), [0.0, 0.0]);
+    let hessian = Vector(spring.jacobian(&symbols[..2]).entries);
+    assert_close("spring", &at(&hessian, [0.0; 6]), &[2.0, 0.0, 0.0, 2.0], 1e-15);
+    let friction = (rest * x / r).with_limits_of_force();
+    assert_eq!(at(&Vector(vec![friction]), [0.0; 6]), [0.0]);
+    assert!(at(&Vector(vec![friction]), [0.0, 0.0, 0.0, 0.0, 1e-200, 0.0])[0].is_nan());
+
+    // |x|^n
+    let of_power = gradient(r.pow(exponent), &symbols[..2]);
+    for (n, found) in [(2.0, 0.0), (3.0, 0.0), (1.5, 0.0), (1.0, f64::NAN), (0.5, f64::NAN)] {
+        let zero = at(&of_power, [0.0, 0.0, 0.0, 0.0, 0.0, n]);
+        assert!(zero.iter().all(|x| *x == found || x.is_nan() && f64::is_nan(found)), "{n}: {zero:?}");
+        let there = at(&of_power, [3.0, 4.0, 0.0, 0.0, 0.0, n]);
+        let expected = [3.0, 4.0].map(|x| n * 5.0_f64.powf(n - 2.0) * x);
+        assert_close(&format!("{n}"), &there, &expected, 1e-15);
+    }
+
+    // drag in proportion to where one is; in a plane, of what goes through it; along a line of sight
+    let sight = (x * u + y * w) / r;
+    for (what, force) in [("|x| v", r * u), ("along", sight * x), ("|x| |v|²", r * (u * u + w * w))] {
+        let jacobian = Vector(Vector(vec![force]).last_jacobian(&symbols[..4]).entries);
+        assert_eq!(at(&jacobian, [0.0; 6]), [0.0; 4], "{what}");
+        let there = at(&jacobian, [0.0, 0.0, 0.3, 0.4, 0.0, 0.0]);
+        assert!(there.iter().any(|x| !x.is_finite()), "{what}: {there:?}");
+        let near = at(&jacobian, [3e-9, -4e-9, 2e-9, 1e-9, 0.0, 0.0]);
+        assert!(near.iter().all(|x| x.abs() < 1e-8), "{what}: {near:?}");
+    }
 }

@@ -101,3 +101,65 @@ fn directions_are_nothing_at_zero_where_the_whole_is() {
         }
     }
 }
+
+/// Forces and energies whose parts are nothing together at zero, though each is divided there.
+#[test]
+fn what_cancels_at_zero_is_followed() {
+    let of_position = [
+        // with a length at rest, or a size, that is zero
+        ("potential = k * (position.norm() - none).powi(2)", true),
+        ("force = -none * position.normalize() - k * position", true),
+        ("force = -none * position_velocity.normalize()", true),
+        ("potential = k * position.dot(&position.normalize()).powi(2)", true),
+        ("potential = k * (1.0 + position.norm()) * (-position.norm()).exp()", true),
+        ("potential = k * position.norm_squared().powi(2).sqrt()", true),
+        ("potential = k * (position.norm() - position.norm().sin())", true),
+        ("force = -k * position.norm() * position_velocity - position", true),
+        ("force = -k * position_velocity.x.hypot(position_velocity.y) * position_velocity", true),
+        // of these the derivative has a limit that is not known here
+        ("potential = position.norm().powf(k)", false),
+        ("force = -k * (1.0 - (-position.norm()).exp()) * position.normalize()", false),
+        ("force = -k * (1.0 + position.norm()).ln() * position.normalize()", false),
+        ("potential = k * position.norm() * (1.0 - (-position.norm()).exp())", false),
+    ];
+    let of_attitude = [
+        ("force = -k * attitude.scaled_axis().normalize() * attitude.angle()", true),
+        ("force = -k * attitude.angle() * attitude_velocity - attitude.scaled_axis()", true),
+        ("potential = k * (attitude.angle() - none).powi(2)", false),
+    ];
+    for (group, inertia, form, is_smooth) in of_position
+        .map(|(form, is_smooth)| ("position: R3", "mass: f64", form, is_smooth))
+        .into_iter()
+        .chain(of_attitude.map(|(form, is_smooth)| ("attitude: SO3", "mass: Vector3<f64>", form, is_smooth)))
+    {
+        let text = format!(
+            "#[lie_poisson_system(group({group}), {form}, methods(Midpoint), derivatives(state))]
+             struct Held {{ #[inertia] {inertia}, k: f64, none: f64 }}"
+        );
+        let is_body = group.starts_with("attitude");
+        let parameters: &[f64] = if is_body { &[1.0, 2.0, 3.0, 2.0, 0.0] } else { &[2.0, 2.0, 0.0] };
+        let system = Arc::new(Model::from_text(&text).unwrap().system(parameters));
+        let rest = if is_body { vec![1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0] } else { vec![0.0; 6] };
+        let mut stepper =
+            erased::Stepper::new(system.clone(), &"Midpoint<Exponential>".parse().unwrap(), 0.1).unwrap();
+        let mut state = rest.clone();
+        stepper.step(&mut state, &[]).unwrap_or_else(|error| panic!("{form}: {error}"));
+        assert_eq!(state, rest, "{form}");
+        let mut near = rest.clone();
+        let along = [0.3, -0.7, 0.2, 0.5, 0.4, -0.6];
+        near.iter_mut().rev().zip(along).for_each(|(x, by)| *x += 1e-9 * by);
+        let (there, _) = stepper.step_with_jacobian(&mut near, &[]).unwrap();
+        match (stepper.step_with_jacobian(&mut state, &[]), is_smooth) {
+            (Ok((here, _)), true) => {
+                let off = here
+                    .state
+                    .iter()
+                    .zip(there.state.iter())
+                    .fold(0.0_f64, |off, (a, b)| off.max((a - b).abs()));
+                assert!(off < 1e-6, "{form}: {off:e}");
+            }
+            (Err(_), false) => {}
+            (result, _) => panic!("{form}: {:?}", result.err()),
+        }
+    }
+}

@@ -7,7 +7,8 @@
 //!
 //! * `s` has the order 1, its powers have their exponents, and `xᵢ` has 1/2 where `s = x₁² + x₂² + …`, since
 //!   `|xᵢ| ≤ √s`;
-//! * a product has the sum of its factors' orders, a sum the least of its terms'.
+//! * a product has the sum of its factors' orders, a sum the least of its terms';
+//! * where a sum's terms add up to zero with the root, as in `1 − e⁻ʳ`, it has the least order of their changes.
 //!
 //! A term of positive order has the limit 0. There the negative power of the root is one that [is
 //! zero](Function::RecipOrZero) with the root. If all terms are like this, the derivative of a continuous function has
@@ -18,6 +19,8 @@
 //! function of a root over that root is a smooth function of `s`: `sin(r)/r = c₁(s)`, `atan2(r, w)/r = a(w/ρ)/ρ` with
 //! `ρ² = s + w²` and `a(cos θ) = θ / sin θ`. What is smooth though it is written with roots, as the square of an angle,
 //! has derivatives of all orders then.
+
+mod order;
 
 use std::collections::BTreeMap;
 
@@ -30,6 +33,8 @@ use super::number::Number;
 
 /// An order that is positive, and not by rounding.
 const POSITIVE: f64 = 1e-9;
+/// The terms of a sum that is multiplied out, at most: those of a product of vectors.
+const FEW: usize = 6;
 /// Of what may be infinite faster than anything else vanishes.
 const UNBOUNDED: f64 = -1e6;
 
@@ -43,23 +48,88 @@ impl<'a> Expr<'a> {
     pub fn with_limits(self) -> Self {
         Limits::default().of(self)
     }
+
+    /// The same of a force, which has one, too, where a parameter that it is a multiple of is zero.
+    pub fn with_limits_of_force(self) -> Self {
+        Limits { bases: Vec::new(), chosen: Chosen::Parameters }.of(self)
+    }
+}
+
+/// What is added under a root that has no derivative at zero but where a parameter is zero, if that is: less than what
+/// rounding leaves of any other square.
+const LEAST: [f64; 2] = [1e-300, 1e-37];
+
+impl<'a> Expr<'a> {
+    /// The same value where a length `l` that roots are compared with, as in `(r − l)²`, is not zero. Where it is, the root
+    /// is of a little more, so that the whole has the derivatives that it has without it, at zero, too.
+    pub fn with_lengths(self, is_single: bool) -> Self {
+        let arena = self.arena;
+        let mut lengths: BTreeMap<Id, Expr<'a>> = BTreeMap::new();
+        for id in arena.post_order([self.id], |_| false) {
+            let Node::Sum(Sum { constant, terms }) = arena.node(id) else { continue };
+            let is_constant = |id: Id| arena.expr(id).stage() <= Stage::Parameters;
+            let (others, changing): (Vec<_>, Vec<_>) = terms.iter().partition(|(term, _)| is_constant(*term));
+            let length = arena.expr(arena.sum(constant, others));
+            if let [(root, _)] = changing[..]
+                && length.as_number().is_none()
+                && let Some(square) = arena.radicand_of_factor(root)
+            {
+                lengths.entry(square).and_modify(|all| *all = *all * length).or_insert(length);
+            }
+        }
+        if lengths.is_empty() {
+            return self;
+        }
+        let mut known: FxHashMap<Id, Id> = FxHashMap::default();
+        for id in arena.post_order([self.id], |_| false) {
+            let mut image = arena.rebuild(id, |operand| known[&operand]);
+            if let Node::Function(Function::Sqrt, square) = arena.node(id)
+                && let Some(&length) = lengths.get(&square)
+            {
+                let least = arena.number(Number::Float(LEAST[usize::from(is_single)]));
+                let more = length.choose(length, -length).choose(arena.zero(), least).hold();
+                image = (arena.expr(known[&square]) + more).sqrt().id;
+            }
+            known.insert(id, image);
+        }
+        arena.expr(known[&self.id])
+    }
 }
 
 /// Gives derivatives their limits where roots are zero.
 #[derive(Default)]
-pub(super) struct Limits<'a>(Vec<Vanishing<'a>>);
+pub(super) struct Limits<'a> {
+    bases: Vec<Vanishing<'a>>,
+    chosen: Chosen,
+}
+
+/// What limits may be chosen by: whether it is zero.
+#[derive(Clone, Copy, Default, PartialEq, Eq)]
+enum Chosen {
+    #[default]
+    Nothing,
+    /// The size of a force.
+    Parameters,
+    /// What is not differentiated again.
+    State,
+}
 
 impl<'a> Limits<'a> {
+    /// For derivatives that are not differentiated again.
+    pub(super) fn of_last_derivatives() -> Self {
+        Self { bases: Vec::new(), chosen: Chosen::State }
+    }
+
     /// Of one expression.
     pub(super) fn of(&mut self, expr: Expr<'a>) -> Expr<'a> {
         let arena = expr.arena;
         let (mut id, mut place) = (expr.id, 0);
         // one base after the other; what is made for one can have another
         while let Some(base) = arena.radicand(place) {
-            if self.0.len() == place {
-                self.0.push(Vanishing::new(arena, base));
+            if self.bases.len() == place {
+                self.bases.push(Vanishing::new(arena, base, self.chosen));
             }
-            id = self.0[place].limit(id, 0.0);
+            id = self.bases[place].limit(id, 0.0);
             place += 1;
         }
         if id != expr.id {
@@ -81,6 +151,18 @@ impl Arena {
         }
     }
 
+    /// What the root is taken of that this is a multiple of.
+    fn radicand_of_factor(&self, id: Id) -> Option<Id> {
+        match self.node(id) {
+            Node::Function(Function::Sqrt, x) => (!self.is_positive(x)).then_some(x),
+            Node::Product(factors) => {
+                let roots = factors.iter().filter(|(_, e)| *e == 1);
+                roots.filter_map(|&(factor, _)| self.radicand_of_factor(factor)).next()
+            }
+            _ => None,
+        }
+    }
+
     /// Whether it is positive for all values of its symbols, as far as signs and squares tell.
     fn is_positive(&self, id: Id) -> bool {
         match self.node(id) {
@@ -90,7 +172,7 @@ impl Arena {
                 self.is_nonnegative(id) && is_more()
             }
             Node::Product(factors) => factors.iter().all(|&(factor, _)| self.is_positive(factor)),
-            Node::Function(Function::Exp | Function::Cosh, _) => true,
+            Node::Function(Function::Exp | Function::Cosh | Function::AngleOverSine(0), _) => true,
             Node::Function(Function::Sqrt, x) | Node::Held(x) | Node::Power(x, _) => self.is_positive(x),
             Node::Choice([_, y, z]) => self.is_positive(y) && self.is_positive(z),
             _ => false,
@@ -98,7 +180,7 @@ impl Arena {
     }
 
     /// Whether it is not negative where it is real.
-    fn is_nonnegative(&self, id: Id) -> bool {
+    pub(super) fn is_nonnegative(&self, id: Id) -> bool {
         match self.node(id) {
             Node::Number(number) => !number.is_negative(),
             Node::Sum(Sum { constant, terms }) => {
@@ -108,7 +190,10 @@ impl Arena {
             Node::Product(factors) => {
                 factors.iter().all(|&(factor, e)| e % 2 == 0 || self.is_nonnegative(factor))
             }
-            Node::Function(Function::Exp | Function::Cosh | Function::Sqrt | Function::Acos, _) => true,
+            Node::Function(
+                Function::Exp | Function::Cosh | Function::Sqrt | Function::Acos | Function::AngleOverSine(0),
+                _,
+            ) => true,
             Node::Power(..) => true,
             Node::Held(x) => self.is_nonnegative(x),
             Node::Choice([x, y, z]) => {
@@ -119,33 +204,42 @@ impl Arena {
     }
 }
 
+/// Factors with their exponents.
+type Factors = Vec<(Id, i32)>;
+
 /// What vanishes with the base of a root, and what becomes of derivatives there.
 struct Vanishing<'a> {
     arena: &'a Arena,
     base: Id,
+    chosen: Chosen,
     /// The base as a product of powers.
     factors: Vec<(Id, i32)>,
     /// Nodes that vanish with it, with their orders.
     orders: FxHashMap<Id, f64>,
+    /// What nodes are where it is zero, and lower bounds of the orders of what they are more.
+    values: FxHashMap<Id, (Option<Id>, f64)>,
     /// Those sums among them as rows in echelon form, each with the least of the orders that it is made of.
     rows: Vec<(BTreeMap<Id, Number>, f64)>,
     /// Whether nodes have negative powers of the base in them.
     divided: FxHashMap<Id, bool>,
     /// Whether nodes are odd.
     odd: FxHashMap<Id, bool>,
+    /// Sums whose terms cancel, multiplied out to some that all vanish.
+    cancelled: FxHashMap<Id, Option<Id>>,
     /// What has become of nodes that are multiplied by something of an order.
     limits: FxHashMap<(Id, u64), Id>,
 }
 
 impl<'a> Vanishing<'a> {
-    fn new(arena: &'a Arena, base: Id) -> Self {
+    fn new(arena: &'a Arena, base: Id, chosen: Chosen) -> Self {
         let factors = match arena.node(base) {
             Node::Product(factors) => factors.to_vec(),
             _ => Vec::new(),
         };
-        let (orders, rows) = Default::default();
-        let (divided, odd, limits) = Default::default();
-        let mut vanishing = Self { arena, base, factors, orders, rows, divided, odd, limits };
+        let (orders, values, rows) = Default::default();
+        let (divided, odd, cancelled, limits) = Default::default();
+        let mut vanishing =
+            Self { arena, base, chosen, factors, orders, values, rows, divided, odd, cancelled, limits };
         vanishing.learn(base, 1.0);
         vanishing
     }
@@ -250,53 +344,6 @@ impl<'a> Vanishing<'a> {
         self.divided[&root]
     }
 
-    /// A lower bound of the order to which a node vanishes with the base.
-    fn order(&mut self, root: Id) -> f64 {
-        for id in self.arena.unknown(root, &self.orders) {
-            let order = self.order_of_node(id);
-            self.orders.insert(id, order);
-        }
-        self.orders[&root]
-    }
-
-    /// The same, when those of what it is made of are known.
-    fn order_of_node(&self, id: Id) -> f64 {
-        if let Some(exponent) = self.exponent(id) {
-            return exponent.to_f64();
-        }
-        match self.arena.node(id) {
-            Node::Number(number) if number.is_zero() => f64::INFINITY,
-            Node::Number(_) | Node::Symbol(_) | Node::Atan2(..) => 0.0,
-            Node::Held(inner) => self.orders[&inner],
-            Node::Choice([_, y, z]) => self.orders[&y].min(self.orders[&z]),
-            Node::Sum(sum) => self.order_of_sum(&sum),
-            Node::Product(factors) => {
-                factors.iter().map(|(factor, e)| powered(self.orders[factor], f64::from(*e))).sum()
-            }
-            Node::Function(Function::Sqrt, x) => powered(self.orders[&x], 0.5),
-            Node::Function(Function::RecipOrZero, x) => powered(self.orders[&x], -1.0),
-            Node::Function(function, x) if function.is_odd() => self.orders[&x].max(0.0),
-            Node::Function(..) => 0.0,
-            Node::Power(x, exponent) => match self.arena.node(exponent) {
-                Node::Number(number) => powered(self.orders[&x], number.to_f64()),
-                _ => 0.0,
-            },
-        }
-    }
-
-    /// The least order of the terms, or of the sums that vanish of which it is a combination.
-    fn order_of_sum(&self, sum: &Sum) -> f64 {
-        let constant = if sum.constant.is_zero() { f64::INFINITY } else { 0.0 };
-        let least = sum.terms.iter().fold(constant, |least, (term, _)| least.min(self.orders[term]));
-        if least != 0.0 || !sum.constant.is_zero() {
-            return least;
-        }
-        let (rest, order) = self.reduced(sum.terms.iter().copied().collect(), f64::INFINITY);
-        // of what was not in the sum there is no more to be known
-        let order_of = |term: &Id| self.orders.get(term).copied().unwrap_or(0.0);
-        rest.keys().fold(order, |least, term| least.min(order_of(term)))
-    }
-
     /// A node that is multiplied by something of an order.
     fn limit(&mut self, id: Id, around: f64) -> Id {
         if !self.is_divided(id) || self.arena.is_exhausted() {
@@ -308,7 +355,16 @@ impl<'a> Vanishing<'a> {
         }
         let limit = match self.arena.node(id) {
             Node::Sum(sum) => {
-                let terms: Vec<_> = sum.terms.iter().map(|&(x, c)| (self.limit(x, around), c)).collect();
+                if self.may_be_base(&sum) {
+                    let Monomial { power, mut rest, is_simpler, .. } = self.simplified(&[(id, 1)]);
+                    rest.push((self.power(power), 1));
+                    let whole = self.arena.product(Number::ONE, rest);
+                    if is_simpler && !self.is_divided(whole) {
+                        return whole;
+                    }
+                }
+                let terms = self.together(&sum.terms, around);
+                let terms: Vec<_> = terms.into_iter().map(|(x, c)| (self.limit(x, around), c)).collect();
                 self.arena.sum(sum.constant, terms)
             }
             Node::Held(inner) => self.arena.held(self.limit(inner, around)),
@@ -342,11 +398,21 @@ impl<'a> Vanishing<'a> {
             return self.arena.choice([x, y, z]);
         }
         let Monomial { power, mut rest, is_simpler, .. } = self.simplified(factors);
+        if power.is_negative()
+            && let Some((place, sum)) = self.cancelled(&rest)
+        {
+            rest[place].0 = sum;
+            rest.push((self.power(power), 1));
+            return self.limit_of_product(&rest, around);
+        }
         let mut total = around + power.to_f64();
         for &(factor, e) in &rest {
             total += powered(self.order(factor), f64::from(e));
         }
         let has_limit = power.is_negative() && total > POSITIVE;
+        if let Some(chosen) = self.of_any_power(factors, power, &rest, total) {
+            return chosen;
+        }
         if power.is_negative() {
             // of what is chosen one branch may cancel the root, or vanish, and another not: each has its own limit, or none
             for (place, &(factor, e)) in rest.iter().enumerate() {
@@ -369,7 +435,22 @@ impl<'a> Vanishing<'a> {
                 }
             }
         }
-        if !is_simpler && !has_limit {
+        let is_bounded = power.is_negative() && !has_limit && total > -POSITIVE;
+        if is_bounded
+            && self.chosen == Chosen::Parameters
+            && let Some(chosen) = self.by_parameter(&rest, power)
+        {
+            return chosen;
+        }
+        let zero = if is_bounded && self.chosen == Chosen::State { self.zero_with(&rest) } else { None };
+        if is_bounded
+            && zero.is_none()
+            && self.chosen == Chosen::State
+            && let Some(sum) = self.multiplied_out(&rest, power, around)
+        {
+            return sum;
+        }
+        if !is_simpler && !has_limit && zero.is_none() {
             // as it was, but for the sums among the factors
             rest = factors.to_vec();
         }
@@ -379,12 +460,233 @@ impl<'a> Vanishing<'a> {
                 *factor = self.limit(*factor, others);
             }
         }
+        let limit = self.arena.function(Function::RecipOrZero, self.power(-power));
         if has_limit {
-            rest.push((self.arena.function(Function::RecipOrZero, self.power(-power)), 1));
+            rest.push((limit, 1));
+        } else if let Some(zero) = zero {
+            // below zero where it is not zero
+            let zero = self.arena.expr(zero);
+            let negative = zero.choose(zero, -zero);
+            rest.push((self.arena.choice([negative.id, self.power(power), limit]), 1));
         } else if is_simpler {
             rest.push((self.power(power), 1));
         }
         self.arena.product(Number::ONE, rest)
+    }
+
+    /// Of a force of constant size, `c x/r`: nothing where `c`, known before a step begins, is zero.
+    fn by_parameter(&mut self, rest: &[(Id, i32)], power: Number) -> Option<Id> {
+        let (mut small, mut size) = (vec![(self.power(power), 1)], Vec::new());
+        for &(factor, e) in rest {
+            let is_constant = self.arena.expr(factor).stage() <= Stage::Parameters;
+            if is_constant { size.push((factor, e)) } else { small.push((factor, e)) }
+        }
+        let is_uncertain = size.iter().any(|&(factor, e)| e > 0 && self.is_uncertain(factor));
+        if !is_uncertain || small[1..].iter().any(|&(factor, _)| self.order(factor) <= POSITIVE) {
+            return None;
+        }
+        let size = self.arena.expr(self.arena.product(Number::ONE, size));
+        let whole = self.arena.product(Number::ONE, small.into_iter().chain([(size.id, 1)]));
+        Some(self.arena.choice([size.choose(size, -size).id, whole, self.arena.zero().id]))
+    }
+
+    /// Whether it may be zero or not.
+    fn is_uncertain(&self, value: Id) -> bool {
+        !matches!(self.arena.node(value), Node::Number(_)) && !self.arena.is_positive(value)
+    }
+
+    /// What is to be zero, where the base is, for a product with these factors to have the limit zero: all others are bounded.
+    fn zero_with(&mut self, rest: &[(Id, i32)]) -> Option<Id> {
+        let mut zero = Vec::new();
+        for &(factor, e) in rest {
+            let value = self.value(factor).0.filter(|&value| e > 0 && self.is_uncertain(value));
+            if let Some(value) = value.filter(|&value| self.arena.expr(value).stage() <= Stage::Iteration) {
+                zero.push((value, 1));
+            }
+        }
+        (!zero.is_empty()).then(|| self.arena.product(Number::ONE, zero))
+    }
+
+    /// A product with a sum of few terms among its factors as a sum of products, if each of these has a limit.
+    fn multiplied_out(&mut self, rest: &[(Id, i32)], power: Number, around: f64) -> Option<Id> {
+        let (place, sum) = rest.iter().enumerate().find_map(|(place, &(factor, e))| {
+            let sum = self.addends(factor).filter(|_| e == 1)?;
+            (sum.constant.is_zero() && sum.terms.len() <= FEW).then_some((place, sum))
+        })?;
+        let mut terms = Vec::new();
+        for &(term, c) in sum.terms.iter() {
+            let mut factors = rest.to_vec();
+            factors[place].0 = term;
+            let Monomial { power, rest, .. } =
+                self.simplified(&[factors, vec![(self.power(power), 1)]].concat());
+            let total = rest.iter().fold(around + power.to_f64(), |total, &(factor, e)| {
+                total + powered(self.order(factor), f64::from(e))
+            });
+            let has_limit = !power.is_negative() || total > POSITIVE;
+            if !has_limit && (total <= -POSITIVE || self.zero_with(&rest).is_none()) {
+                return None;
+            }
+            let factors = [rest, vec![(self.power(power), 1)]].concat();
+            terms.push((self.limit_of_product(&factors, around), c));
+        }
+        Some(self.arena.sum(Number::ZERO, terms))
+    }
+
+    /// Of a power of the base with an exponent that is known before a step begins: whether there is a limit depends on that.
+    fn of_any_power(
+        &mut self,
+        factors: &[(Id, i32)],
+        power: Number,
+        rest: &[(Id, i32)],
+        total: f64,
+    ) -> Option<Id> {
+        if !power.is_negative() {
+            return None;
+        }
+        let (place, exponent) = rest.iter().enumerate().find_map(|(place, &(factor, e))| {
+            let Node::Power(x, exponent) = self.arena.node(factor) else { return None };
+            let of_base = self.exponent(x).filter(|_| e == 1)?;
+            let exponent = self.arena.expr(exponent);
+            let is_constant = exponent.as_number().is_none() && exponent.stage() == Stage::Parameters;
+            is_constant.then_some((place, exponent.scale(of_base)))
+        })?;
+        // the order of the others is a multiple of a half, or is not known as well
+        let others = Number::ratio((total * 4.0).floor() as i128, 4);
+        let order = exponent + self.arena.number(others);
+        let inverse = -(exponent + self.arena.number(power));
+        let mut limit = rest.to_vec();
+        limit[place].0 = self.arena.function(Function::RecipOrZero, self.arena.power(self.base, inverse.id));
+        let limit = self.arena.product(Number::ONE, limit);
+        Some(self.arena.choice([(-order).id, limit, self.arena.product(Number::ONE, factors.to_vec())]))
+    }
+
+    /// Terms that have no limit each, with functions that are one at zero, are put together where they differ in factors that do not vanish, and cancel:
+    /// `x e⁻ʳ/r − x (1 + r) e⁻ʳ/r = −x e⁻ʳ`.
+    fn together(&mut self, terms: &[(Id, Number)], around: f64) -> Vec<(Id, Number)> {
+        let is_one_at_zero = |&(factor, e): &(Id, i32)| {
+            use Function::{Cos, Cosh, Exp};
+            let node = self.arena.node(factor);
+            matches!(node, Node::Function(Exp | Cos | Cosh, _)) || e < 0 && matches!(node, Node::Sum(_))
+        };
+        if !terms.iter().any(|(term, _)| match self.arena.node(*term) {
+            Node::Product(factors) => factors.iter().any(is_one_at_zero),
+            _ => false,
+        }) {
+            return terms.to_vec();
+        }
+        // by the power of the base and the factors that vanish: of which terms, with which other factors
+        let mut alike: BTreeMap<(u64, Factors), Vec<(usize, Factors)>> = BTreeMap::new();
+        for (place, &(term, _)) in terms.iter().enumerate() {
+            let Node::Product(factors) = self.arena.node(term) else { continue };
+            if !self.is_divided(term) {
+                continue;
+            }
+            let Monomial { power, rest, .. } = self.monomial(&factors);
+            let (mut small, mut regular, mut total) = (Vec::new(), Vec::new(), around + power.to_f64());
+            for (factor, e) in rest {
+                let order = self.order(factor);
+                total += powered(order, f64::from(e));
+                if order > 0.0 { small.push((factor, e)) } else { regular.push((factor, e)) }
+            }
+            if power.is_negative() && total <= POSITIVE && total > -POSITIVE {
+                small.sort_unstable();
+                alike.entry((power.to_f64().to_bits(), small)).or_default().push((place, regular));
+            }
+        }
+        let mut all = terms.to_vec();
+        for ((_, mut small), group) in alike.into_iter().filter(|(_, group)| group.len() > 1) {
+            let regular = |(place, factors): &(usize, Factors)| {
+                let regular = self.arena.product(Number::ONE, factors.clone());
+                (regular, terms[*place].1, regular)
+            };
+            let Some(spread) = self.spread(&group.iter().map(regular).collect::<Vec<_>>()) else { continue };
+            let sum = self.arena.sum(Number::ZERO, spread);
+            if self.order(sum) <= POSITIVE {
+                continue;
+            }
+            let Node::Product(factors) = self.arena.node(terms[group[0].0].0) else { continue };
+            small.extend([(self.power(self.monomial(&factors).power), 1), (sum, 1)]);
+            all.push((self.arena.product(Number::ONE, small), Number::ONE));
+            let put_together: Vec<Id> = group.iter().map(|(place, _)| terms[*place].0).collect();
+            all.retain(|(term, _)| !put_together.contains(term));
+        }
+        all
+    }
+
+    /// The place of a sum among factors that is made of terms that cancel, and what it is multiplied out.
+    fn cancelled(&mut self, rest: &[(Id, i32)]) -> Option<(usize, Id)> {
+        rest.iter().enumerate().filter(|(_, (_, e))| *e == 1).find_map(|(place, &(factor, _))| {
+            let Some(&known) = self.cancelled.get(&factor) else {
+                let found = self.without_cancelling(factor);
+                self.cancelled.insert(factor, found);
+                return Some((place, found?));
+            };
+            Some((place, known?))
+        })
+    }
+
+    /// A sum that vanishes though its terms do not, multiplied out to terms that do.
+    fn without_cancelling(&mut self, id: Id) -> Option<Id> {
+        let sum = self.addends(id)?;
+        if self.order(id) <= POSITIVE || self.all_vanish(&sum) {
+            return None;
+        }
+        let of_constant = (!sum.constant.is_zero()).then(|| (self.arena.one().id, sum.constant));
+        let group = sum.terms.iter().copied().chain(of_constant).map(|(term, c)| (term, c, term));
+        let spread = self.arena.sum(Number::ZERO, self.spread(&group.collect::<Vec<_>>())?);
+        let is_small = match self.arena.node(spread) {
+            Node::Sum(sum) => self.all_vanish(&sum),
+            _ => self.order(spread) > POSITIVE,
+        };
+        is_small.then_some(spread)
+    }
+
+    /// Whether each term of a sum vanishes with the base.
+    fn all_vanish(&mut self, sum: &Sum) -> bool {
+        sum.constant.is_zero() && sum.terms.iter().all(|&(term, _)| self.order(term) > POSITIVE)
+    }
+
+    /// The sum of what is regular in terms, with sums among its factors multiplied out, if that makes few terms.
+    fn spread(&self, group: &[(Id, Number, Id)]) -> Option<Vec<(Id, Number)>> {
+        let mut all = Vec::new();
+        for &(_, c, regular) in group {
+            let mut terms = vec![(self.arena.one().id, c)];
+            let factors = match self.arena.node(regular) {
+                Node::Product(factors) => factors.to_vec(),
+                _ => vec![(regular, 1)],
+            };
+            for (factor, e) in factors {
+                let sum = self.addends(factor).filter(|_| e == 1);
+                let addends = match sum {
+                    Some(Sum { constant, terms }) => {
+                        let constant = (!constant.is_zero()).then_some((self.arena.one().id, constant));
+                        terms.iter().copied().chain(constant).collect()
+                    }
+                    None => vec![(self.arena.product(Number::ONE, [(factor, e)]), Number::ONE)],
+                };
+                let products = terms.iter().flat_map(|&(x, a)| {
+                    let of = move |&(y, b): &(Id, Number)| {
+                        (self.arena.product(Number::ONE, [(x, 1), (y, 1)]), a * b)
+                    };
+                    addends.iter().map(of).collect::<Vec<_>>()
+                });
+                terms = products.collect();
+                if terms.len() > FEW * FEW {
+                    return None;
+                }
+            }
+            all.extend(terms);
+        }
+        Some(all)
+    }
+
+    /// A sum, kept whole or not.
+    fn addends(&self, id: Id) -> Option<Sum> {
+        match self.arena.node(id) {
+            Node::Sum(sum) => Some(sum),
+            Node::Held(inner) => self.addends(inner),
+            _ => None,
+        }
     }
 
     /// The condition and the branches of a choice.
@@ -399,9 +701,8 @@ impl<'a> Vanishing<'a> {
     /// A product with as few powers of the base in the denominator as there can be.
     fn simplified(&mut self, factors: &[(Id, i32)]) -> Monomial {
         let mut monomial = self.monomial(factors);
-        if monomial.has_positive || self.odd_factor(&monomial).is_some() {
-            self.take_denominators_out(&mut monomial);
-        }
+        let takes_all = monomial.has_positive || self.odd_factor(&monomial).is_some();
+        self.take_denominators_out(&mut monomial, takes_all);
         // what the base is a product of
         while monomial.power.is_negative() && !self.factors.is_empty() && monomial.divide(&self.factors) {
             monomial.power = monomial.power + Number::ONE;
@@ -456,8 +757,9 @@ impl<'a> Vanishing<'a> {
         Monomial { power, rest, has_positive, is_simpler }
     }
 
-    /// Takes the root out of the denominators in the sums among the factors: `r (x/r + y) = r r⁻¹ (x + y r)`.
-    fn take_denominators_out(&mut self, monomial: &mut Monomial) {
+    /// Takes the root out of the denominators in the sums among the factors: `r (x/r + y) = r r⁻¹ (x + y r)`. Not of all of
+    /// them, only of those that are a power of the base then: `x²/r + y²/r = r`.
+    fn take_denominators_out(&mut self, monomial: &mut Monomial, takes_all: bool) {
         for place in 0..monomial.rest.len() {
             let (factor, e) = monomial.rest[place];
             let inner = match self.arena.node(factor) {
@@ -465,7 +767,7 @@ impl<'a> Vanishing<'a> {
                 _ => factor,
             };
             let Node::Sum(sum) = self.arena.node(inner) else { continue };
-            if e != 1 || !self.is_divided(factor) {
+            if e < 1 || !takes_all && !self.may_be_base(&sum) || !self.is_divided(factor) {
                 continue;
             }
             let terms: Vec<(Monomial, Number)> =
@@ -483,10 +785,21 @@ impl<'a> Vanishing<'a> {
                 })
                 .chain((!sum.constant.is_zero()).then(|| (self.power(-least), sum.constant)))
                 .collect();
-            monomial.rest[place].0 = self.arena.sum(Number::ZERO, terms);
-            monomial.power = monomial.power + least;
+            let sum = self.arena.sum(Number::ZERO, terms);
+            let whole = self.exponent(sum);
+            if !takes_all && whole.is_none() {
+                continue;
+            }
+            monomial.rest[place] = if whole.is_some() { (self.arena.one().id, 1) } else { (sum, e) };
+            let power = least + whole.unwrap_or(Number::ZERO);
+            monomial.power = monomial.power + power * Number::from(i64::from(e));
             monomial.is_simpler = true;
         }
+    }
+
+    /// Whether a sum may be a multiple of a power of the base.
+    fn may_be_base(&self, sum: &Sum) -> bool {
+        matches!(self.arena.node(self.base), Node::Sum(base) if base.terms.len() == sum.terms.len())
     }
 
     /// Whether it is an odd function of the root, times what depends on its square alone.
