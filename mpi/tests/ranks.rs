@@ -141,13 +141,9 @@ fn alone(arguments: &[&str]) -> Files {
 
 fn alone_with(program: &Path, arguments: &[&str]) -> Files {
     let scratch = Scratch::new("alone");
-    let status = as_root(&mut Command::new(program))
-        .args(arguments)
-        .current_dir(&scratch.0)
-        .stderr(Stdio::null())
-        .stdout(Stdio::null())
-        .status();
-    assert!(status.expect("it starts").success());
+    let output = as_root(&mut Command::new(program)).args(arguments).current_dir(&scratch.0).output();
+    let output = output.expect("it starts");
+    assert!(output.status.success(), "{}: {}", output.status, text(&output.stderr));
     let found = scratch.results();
     assert!(found.len() > 4, "table, picture, rows");
     found
