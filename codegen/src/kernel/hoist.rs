@@ -17,7 +17,8 @@ pub(super) struct Outline<R> {
     pub role: R,
     /// The record that it returns.
     pub record: Option<RecordKind>,
-    /// Whether it computes what depends on the unknown itself, for another value of that than the record is of.
+    /// Whether it computes what depends on the unknown itself, for another value of that than the record is of, but for
+    /// what is slow.
     pub is_apart: bool,
     pub results: Vec<Vec<Signed>>,
 }
@@ -33,17 +34,24 @@ impl<R> Outline<R> {
 pub(super) struct Homes {
     places: FxHashMap<Op, Home>,
     stored: BTreeSet<Op>,
+    /// What changes little from one value of the unknown to the next.
+    slow: FxHashSet<Op>,
 }
 
 impl Homes {
     /// For functions that stand alone: each computes all that it needs.
     pub(super) fn alone() -> Self {
-        Self { places: FxHashMap::default(), stored: BTreeSet::new() }
+        Self { places: FxHashMap::default(), stored: BTreeSet::new(), slow: FxHashSet::default() }
     }
 
     /// Of a step: what depends on parameters, state and unknown alone is computed once they are known. `given` are the
-    /// symbols that only the beginning of a step is given.
-    pub(super) fn of_step(dag: &Dag<'_>, functions: &[Outline<StepRole>], given: &[Symbol]) -> Self {
+    /// symbols that only the beginning of a step is given, and functions that are apart find what is `slow`.
+    pub(super) fn of_step(
+        dag: &Dag<'_>,
+        functions: &[Outline<StepRole>],
+        given: &[Symbol],
+        slow: &FxHashSet<Op>,
+    ) -> Self {
         let roots = |roles: &[StepRole]| -> Vec<Op> {
             let wanted = functions.iter().filter(|function| roles.contains(&function.role));
             wanted.flat_map(|function| function.results()).map(|signed| signed.op).collect()
@@ -69,7 +77,9 @@ impl Homes {
             _ => None,
         };
         let places = dag.ops().map(|op| (op, place(op))).collect();
-        let mut placement = Self { places, stored: BTreeSet::new() };
+        let is_kept = |op: &&Op| evaluating.contains(*op) && dag.stage(**op) == Stage::Iteration;
+        let slow = slow.iter().filter(is_kept).copied().collect();
+        let mut placement = Self { places, stored: BTreeSet::new(), slow };
 
         // everything that some function computes
         let (apart, others): (Vec<_>, Vec<_>) = functions.iter().partition(|function| function.is_apart);
@@ -90,8 +100,11 @@ impl Homes {
             }
         }
         let results = results(&apart);
-        for op in dag.reachable_from(results.clone()) {
-            let is_local = |op: Op| matches!(placement.places[&op], None | Some(RecordKind::Iterate));
+        let slow = placement.slow.clone();
+        for op in dag.reachable_without(results.clone(), &slow) {
+            let is_local = |op: Op| {
+                matches!(placement.places[&op], None | Some(RecordKind::Iterate)) && !slow.contains(&op)
+            };
             let operands = dag.operation(op).operands().into_iter();
             // of a result that is known before, there is no operand to be looked at
             let known = operands.filter(|&known| is_local(op) && !is_local(known));
@@ -103,10 +116,11 @@ impl Homes {
         placement
     }
 
-    /// For a function that finds nothing of this record.
-    pub(super) fn without(&self, kind: RecordKind) -> Self {
-        let is_other = |op: &Op| self.places[op] != Some(kind);
-        Self { places: self.places.clone(), stored: self.stored.iter().copied().filter(is_other).collect() }
+    /// For a function that finds nothing that depends on the unknown but what is slow.
+    pub(super) fn apart(&self) -> Self {
+        let is_found = |op: &Op| self.places[op] != Some(RecordKind::Iterate) || self.slow.contains(op);
+        let stored = self.stored.iter().copied().filter(is_found).collect();
+        Self { places: self.places.clone(), stored, slow: self.slow.clone() }
     }
 
     /// Stores a value that is used in another place than it is computed in, unless it is at hand there.
@@ -140,7 +154,7 @@ impl Homes {
         let used = results.iter().copied().chain(local.flat_map(|op| dag.operation(op).operands()));
         let is_number = |op: Op| matches!(dag.operation(op), Operation::Number(_));
         let stored = used.filter(|&op| places[&op].is_some() && !is_number(op)).collect();
-        Self { places, stored }
+        Self { places, stored, slow: FxHashSet::default() }
     }
 
     /// All that is stored in some record, in the order of creation.
@@ -163,10 +177,15 @@ impl Homes {
 impl Dag<'_> {
     /// The nodes needed for `outputs`.
     pub(super) fn reachable_from(&self, outputs: Vec<Op>) -> FxHashSet<Op> {
+        self.reachable_without(outputs, &FxHashSet::default())
+    }
+
+    /// The same, but for those that only these known ones need.
+    fn reachable_without(&self, outputs: Vec<Op>, known: &FxHashSet<Op>) -> FxHashSet<Op> {
         let mut seen = FxHashSet::default();
         let mut pending = outputs;
         while let Some(op) = pending.pop() {
-            if seen.insert(op) {
+            if seen.insert(op) && !known.contains(&op) {
                 pending.extend(self.operation(op).operands());
             }
         }

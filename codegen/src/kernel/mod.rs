@@ -88,9 +88,13 @@ pub fn step<'a>(arena: &'a Arena, step: &Step<'a>, inputs: Inputs) -> Module<Ste
         .with(Input::Right, right.symbols());
 
     let domain = Vector(step.domain.clone());
-    let all = [&step.start, &step.left, &step.right, &correction, &update, &domain, &step.next];
+    let slow = match &step.iteration {
+        Iteration::Chord(_) => step.slow.clone(),
+        Iteration::FixedPoint | Iteration::Newton(_) | Iteration::TrueNewton => Vector(Vec::new()),
+    };
+    let all = [&step.start, &step.left, &step.right, &correction, &update, &domain, &step.next, &slow];
     let mut code = Code::new(arena, inputs, all.into_iter().flat_map(Vector::iter));
-    let [start, left, right, correction, update, domain, next] = all.map(|vector| code.plan(vector));
+    let [start, left, right, correction, update, domain, next, slow] = all.map(|vector| code.plan(vector));
     code.names.adopt_roles(arena, &code.factoring, &code.dag);
     let residual: Vec<Signed> = left.iter().zip(&right).map(|(&l, &r)| code.dag.difference(l, r)).collect();
     code.dag.eliminate_common_pairs();
@@ -111,7 +115,8 @@ pub fn step<'a>(arena: &'a Arena, step: &Step<'a>, inputs: Inputs) -> Module<Ste
         is_apart: step.iteration != Iteration::FixedPoint,
         ..returned(StepRole::Finish, vec![next])
     });
-    let placement = Homes::of_step(&code.dag, &functions, &step.given);
+    let slow = slow.iter().map(|signed| signed.op).collect();
+    let placement = Homes::of_step(&code.dag, &functions, &step.given, &slow);
     code.module(placement, functions)
 }
 
@@ -190,7 +195,7 @@ impl<'a> Code<'a> {
             kinds.map(|kind| Record { kind, fields: self.fields(&placement, kind) }).collect();
         let functions = functions.iter().map(|returned| {
             let storing = returned.record.map_or_else(Vec::new, |kind| placement.stored_in(kind));
-            let apart = returned.is_apart.then(|| placement.without(RecordKind::Iterate));
+            let apart = returned.is_apart.then(|| placement.apart());
             let found = apart.as_ref().unwrap_or(&placement);
             let (statements, results) = Writer::body(&self.dag, found, &mut self.names, returned, &storing);
             let inputs = returned.role.signature().inputs.iter().filter(|input| self.inputs.has(**input));

@@ -185,6 +185,7 @@ impl<'s, 'a> Discretization<'s, 'a> {
             iteration: if is_linear { Iteration::FixedPoint } else { Iteration::TrueNewton },
             left,
             right,
+            slow: Vector(Vec::new()),
             next: system.join_state(next).substitute(&found),
             bounded: bounded(system, &increments),
             increments,

@@ -60,12 +60,12 @@ impl<'a> Linearization<'a> {
         let symbols = step.unknown.symbols();
         let unknown = perturbations(arena, &symbols);
         let residual = &step.left - &step.right;
-        let mut explicit = Derivative::along(arena, &direction);
+        let mut explicit = Derivative::along(arena, &direction).last();
         let shift = residual.map(|component| -explicit.of(component)).hold();
-        let solution = residual.jacobian(&symbols).map(Expr::hold).solve(&shift).hold();
+        let solution = residual.last_jacobian(&symbols).map(Expr::hold).solve(&shift).hold();
         direction.extend(symbols.into_iter().zip(unknown.iter()));
 
-        let mut total = Derivative::along(arena, &direction);
+        let mut total = Derivative::along(arena, &direction).last();
         // both sides change alike, and the left one is simple
         for (left, right) in step.left.iter().zip(step.right.iter()) {
             let perturbation = total.of(left);

@@ -27,6 +27,9 @@ pub struct Step<'a> {
     pub domain: Vec<Expr<'a>>,
     /// How the configuration is moved, one increment after the other.
     pub increments: Vec<Increment<'a>>,
+    /// Values that Newton's matrix leaves out: they change by no more from the last iterate to the solution than is left of
+    /// that, and the state after a [chord](Iteration::Chord)'s step is made of theirs at the former.
+    pub slow: Vector<'a>,
     /// The state after the step, in the order of storage.
     pub next: Vector<'a>,
     /// Its components that are bounded if the unknown is: rotations.

@@ -150,6 +150,25 @@ fn a_change_of_one_term_changes_the_lines_of_that_term() {
     assert_eq!(of_second(&before), of_second(&after));
 }
 
+/// The end of a step has the terms that a chord leaves out from the last iterate: it is as long for all orders.
+#[test]
+fn what_a_chord_leaves_out_is_not_computed_twice() {
+    let steps = steps(
+        "group(first: SO3, second: SO3), potential = k * (first.inverse() * second).w.powi(2),
+            retractions(Exponential), methods(HamiltonJacobi(4), HamiltonJacobi(6))",
+        "struct Pair { #[inertia(first)] one: Vector3<f64>, #[inertia(second)] two: Vector3<f64>, k: f64 }",
+    );
+    let count = |order: u32, role: StepRole| {
+        let name = format!("HamiltonJacobi<Exponential, {order}>");
+        let step =
+            steps.iter().find(|step| step.program.scheme.type_name() == name).expect("it is asked for");
+        step.program.module.operations(role).multiplications
+    };
+    let [fourth, sixth] = [4, 6].map(|order| count(order, StepRole::Finish));
+    assert!(sixth < fourth + 6, "{fourth}, {sixth}");
+    assert!(5 * fourth < 2 * count(4, StepRole::Evaluate), "{fourth}");
+}
+
 /// High powers take as many multiplications as squaring needs.
 #[test]
 fn powers_are_made_by_squaring() {

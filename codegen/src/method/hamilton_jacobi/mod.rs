@@ -74,8 +74,14 @@ const SHORT: usize = 256;
 enum Derivatives<'a> {
     /// Of one of the momentum: `η/t` and, if there is any, `κ/t`.
     OfMomentum { velocity: Vector<'a>, kick: Option<Vector<'a>> },
-    /// Of one of the velocity: `m̄` where the step is nothing, what it is more, and, if there is any, `κ/t`.
-    OfVelocity { momentum: Vector<'a>, correction: Option<Vector<'a>>, kick: Option<Vector<'a>> },
+    /// Of one of the velocity: `m̄` where the step is nothing, what it is more, and, if there is any, `κ/t` of the midpoint
+    /// step, and what that is more.
+    OfVelocity {
+        momentum: Vector<'a>,
+        correction: Option<Vector<'a>>,
+        kick: Option<Vector<'a>>,
+        kick_correction: Option<Vector<'a>>,
+    },
 }
 
 /// Whether there are steps of a system: with the velocity held fixed there has to be a momentum for it in closed form.
@@ -204,9 +210,15 @@ impl<'a> HamiltonJacobi<'_, 'a> {
         let (Derivatives::OfMomentum { kick, .. } | Derivatives::OfVelocity { kick, .. }) = &derivatives;
 
         // and on
+        let mut slow = Vector(Vec::new());
         let m_plus = match kick {
             Some(kick) => {
-                let kick = names.algebra("kick", &at_middle(kick).scale(*step).hold());
+                let mut kick = at_middle(kick).scale(*step);
+                if let Derivatives::OfVelocity { kick_correction: Some(more), .. } = &derivatives {
+                    slow = names.algebra("kick_correction", &at_middle(more).scale(*step).hold());
+                    kick = &kick + &slow;
+                }
+                let kick = names.algebra("kick", &kick.hold());
                 self.kicked(&m_minus, &kick)
             }
             None => m_minus,
@@ -247,7 +259,8 @@ impl<'a> HamiltonJacobi<'_, 'a> {
         let next = Parts { configuration: moved.next, momentum: m_next, advected: a_next };
         let presolved = presolve_only(equations, left);
         let left = presolved.equations.iter().flat_map(|equation| equation.names.clone()).collect();
-        (self.0.lifted(presolved, &y, &next), left)
+        let slow = slow.substitute(&presolved.found);
+        (Step { slow, ..self.0.lifted(presolved, &y, &next) }, left)
     }
 
     /// A first approximation of `η`: `t ξ`, with the velocity of the momentum after half of the step. From rest that is where it goes to, where terms

@@ -46,8 +46,13 @@ pub(super) fn derivatives<'a>(discretization: &Discretization<'_, 'a>, order: us
     };
     let kicks: Vec<Vector<'a>> = (1..=top).step_by(2).filter(|_| is_kicked).map(&mut kick).collect();
     let square = *step * *step;
-    let correction = polynomial(&means[1..], square).map(|rest| rest.scale(square));
-    Derivatives::OfVelocity { momentum: means[0].clone(), correction, kick: polynomial(&kicks, square) }
+    let rest = |all: &[Vector<'a>]| polynomial(all.get(1..)?, square).map(|rest| rest.scale(square));
+    Derivatives::OfVelocity {
+        momentum: means[0].clone(),
+        correction: rest(&means),
+        kick: kicks.first().cloned(),
+        kick_correction: rest(&kicks),
+    }
 }
 
 /// `c_0 + x c_1 + x² c_2 + …`, if there is anything of it.
