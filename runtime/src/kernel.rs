@@ -106,8 +106,8 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
     fn has_true_jacobian(&self) -> bool {
         Self::HAS_TRUE_JACOBIAN
     }
-    /// Whether the update is a Newton step, or a simplified one with nearly the true Jacobian, and the state after the step is made of the unknown alone,
-    /// not of an evaluation near it.
+    /// Whether the update is a Newton step, or a simplified one with nearly the true Jacobian, and the state after the step is made of the unknown itself,
+    /// not of an evaluation near it, but for terms that the Jacobian leaves out.
     const IS_NEWTON: bool = false;
     /// [`IS_NEWTON`](Self::IS_NEWTON)
     #[inline(always)]

@@ -27,8 +27,8 @@ pub struct Step<'a> {
     pub domain: Vec<Expr<'a>>,
     /// How the configuration is moved, one increment after the other.
     pub increments: Vec<Increment<'a>>,
-    /// Values that Newton's matrix leaves out: they change by no more from the last iterate to the solution than is left of
-    /// that, and the state after a [chord](Iteration::Chord)'s step is made of theirs at the former.
+    /// Values that Newton's matrix leaves out: where the iterations end they change by no more than the solution has yet to
+    /// change, and the state after a [chord](Iteration::Chord)'s step is made of those of the last iteration.
     pub slow: Vector<'a>,
     /// The state after the step, in the order of storage.
     pub next: Vector<'a>,
@@ -42,7 +42,7 @@ pub enum Iteration<'a> {
     /// `x ← left⁻¹(right(x))`, which contracts by about the angle of a step.
     FixedPoint,
     /// The simplified Newton iteration with this matrix: of first terms. A step ends from the last iterate, not from
-    /// what was evaluated for it.
+    /// what was evaluated for it, but for what is [slow](Step::slow).
     Chord(Matrix<'a>),
     /// The same with nearly the true Jacobian, so that little is left after an iteration.
     Newton(Matrix<'a>),

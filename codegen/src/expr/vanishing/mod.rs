@@ -10,6 +10,8 @@
 //! * a product has the sum of its factors' orders, a sum the least of its terms';
 //! * where a sum's terms add up to zero with the root, as in `1 − e⁻ʳ`, it has the least order of their changes.
 //!
+//! Under roots that a parameter is subtracted from, as the length of a spring at rest, there is a little more where that is zero.
+//!
 //! A term of positive order has the limit 0. There the negative power of the root is one that [is
 //! zero](Function::RecipOrZero) with the root. If all terms are like this, the derivative of a continuous function has
 //! a limit where `s` vanishes, and by the mean value theorem that is its derivative there. Every other term stays as it
