@@ -10,8 +10,6 @@
 //! * a product has the sum of its factors' orders, a sum the least of its terms';
 //! * where a sum's terms add up to zero with the root, as in `1 − e⁻ʳ`, it has the least order of their changes.
 //!
-//! Under roots that a parameter is subtracted from, as the length of a spring at rest, there is a little more where that is zero.
-//!
 //! A term of positive order has the limit 0. There the negative power of the root is one that [is
 //! zero](Function::RecipOrZero) with the root. If all terms are like this, the derivative of a continuous function has
 //! a limit where `s` vanishes, and by the mean value theorem that is its derivative there. Every other term stays as it
@@ -21,6 +19,10 @@
 //! function of a root over that root is a smooth function of `s`: `sin(r)/r = c₁(s)`, `atan2(r, w)/r = a(w/ρ)/ρ` with
 //! `ρ² = s + w²` and `a(cos θ) = θ / sin θ`. What is smooth though it is written with roots, as the square of an angle,
 //! has derivatives of all orders then.
+//!
+//! What is bounded and has no limit, `xᵢ vⱼ / r`, has the limit 0 where another factor is zero by its value: in
+//! derivatives that are [not taken again](super::Derivative::last). A root that a parameter `l` is subtracted from, in
+//! `(r − l)²`, [is of a little more](Expr::with_lengths) where `l` is zero.
 
 mod order;
 
