@@ -443,6 +443,10 @@ fn factors_that_are_zero_decide() {
         assert_close(&format!("{n}"), &there, &expected, 1e-15);
     }
 
+    // of directions of two vectors there is no limit where both are zero
+    let both = Vector(Vector(vec![r * u / (u * u + w * w).sqrt()]).last_jacobian(&symbols[..4]).entries);
+    assert!(at(&both, [0.0; 6])[..2].iter().all(|x| !x.is_finite()));
+
     // drag in proportion to where one is; in a plane, of what goes through it; along a line of sight
     let sight = (x * u + y * w) / r;
     for (what, force) in [("|x| v", r * u), ("along", sight * x), ("|x| |v|²", r * (u * u + w * w))] {

@@ -501,6 +501,14 @@ impl<'a> Vanishing<'a> {
 
     /// What is to be zero, where the base is, for a product with these factors to have the limit zero: all others are bounded.
     fn zero_with(&mut self, rest: &[(Id, i32)]) -> Option<Id> {
+        // what is divided by something else that may be zero has no bound
+        let is_bounded = |&(factor, e): &(Id, i32)| {
+            let is_constant = self.arena.expr(factor).stage() <= Stage::Parameters;
+            is_constant || self.arena.is_positive(factor) || e > 0 && self.branches(factor).is_none()
+        };
+        if !rest.iter().all(is_bounded) {
+            return None;
+        }
         let mut zero = Vec::new();
         for &(factor, e) in rest {
             let value = self.value(factor).0.filter(|&value| e > 0 && self.is_uncertain(value));
