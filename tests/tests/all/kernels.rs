@@ -135,6 +135,7 @@ impl RandomStep {
             domain,
             increments: Vec::new(),
             bounded: Vec::new(),
+            slow: Vector(Vec::new()),
             next: Vector(next.to_vec()),
         };
         Symbolic { step, parameters: Vector(parameters).symbols(), state: Vector(state).symbols() }
