@@ -11,7 +11,7 @@ use std::rc::Rc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::node::{Function, Id, Node, Sum, Symbol, SymbolInfo};
+use super::node::{Function, Id, Node, Stage, Sum, Symbol, SymbolInfo};
 use super::number::Number;
 
 #[derive(Default)]
@@ -279,7 +279,8 @@ impl Arena {
             _ => Vec::new(),
         };
         let mut common = factors(sum.terms[0].0);
-        common.retain(|(_, e)| e % 2 == 0);
+        // of parameters powers are not to be taken apart, of a velocity for example
+        common.retain(|&(factor, e)| e % 2 == 0 && self.expr(factor).stage() > Stage::Parameters);
         for &(term, _) in &sum.terms[1..] {
             if common.is_empty() {
                 return None;

@@ -116,6 +116,7 @@ fn what_cancels_at_zero_is_followed() {
         ("potential = k * (position.norm() - position.norm().sin())", true),
         ("force = -k * position.norm() * position_velocity - position", true),
         ("force = -k * position_velocity.x.hypot(position_velocity.y) * position_velocity", true),
+        ("force = -position_velocity.norm().powf(1.5) * position_velocity", true),
         // of these the derivative has a limit that is not known here
         ("potential = position.norm().powf(k)", false),
         ("force = -k * (1.0 - (-position.norm()).exp()) * position.normalize()", false),

@@ -6,6 +6,9 @@ use super::{FEW, Factors, Monomial, POSITIVE, Vanishing, powered};
 use crate::expr::node::{Function, Id, Node, Sum};
 use crate::expr::number::Number;
 
+/// The terms of a sum that is looked through for some that cancel, at most.
+const SHORT: usize = 3;
+
 impl Vanishing<'_> {
     /// A product with a sum of few terms among its factors as a sum of products, if each of these has a limit.
     pub(super) fn multiplied_out(&mut self, rest: &[(Id, i32)], power: Number, around: f64) -> Option<Id> {
@@ -40,10 +43,12 @@ impl Vanishing<'_> {
             let node = self.arena.node(factor);
             matches!(node, Node::Function(Exp | Cos | Cosh, _)) || e < 0 && matches!(node, Node::Sum(_))
         };
-        if !terms.iter().any(|(term, _)| match self.arena.node(*term) {
+        let may_cancel = |&(term, _): &(Id, Number)| match self.arena.node(term) {
             Node::Product(factors) => factors.iter().any(is_one_at_zero),
             _ => false,
-        }) {
+        };
+        // derivatives of higher order have many terms: there it costs more than it finds
+        if terms.len() > SHORT || !terms.iter().any(may_cancel) {
             return terms.to_vec();
         }
         // by the power of the base and the factors that vanish: of which terms, with which other factors
