@@ -299,6 +299,10 @@ impl Arena {
             (self.product(Number::ONE, inverse.iter().copied().chain([(term, 1)])), c * per_size)
         };
         let rest = self.sum(Number::ZERO, sum.terms.iter().map(rest).collect::<Vec<_>>());
+        // where it is less than zero the whole has a root at the zeros of the factors alone
+        if !self.is_nonnegative(rest) {
+            return None;
+        }
         let root = self.function(Function::Sqrt, rest);
         Some(self.product(size, common.iter().map(half).chain([(root, 1)]).collect::<Vec<_>>()))
     }
