@@ -20,6 +20,7 @@ pub mod group;
 mod identifiers;
 pub mod kernel;
 pub mod language;
+pub mod library;
 mod lie_group;
 mod limits;
 pub mod method;

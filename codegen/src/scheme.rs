@@ -8,24 +8,50 @@ pub use crate::group::Retraction;
 /// A method, as users and generated code name it: a family of steps with a parameter.
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Method {
-    /// Its name in descriptions, and that of its type in the runtime.
+    /// Its name in descriptions, and that of its type and its rule in the runtime.
     pub name: &'static str,
-    /// Its name among the runtime's rules.
-    pub rule: &'static str,
+    /// Its name on command lines, for those of its steps that have no name of their own.
+    pub word: &'static str,
+    /// Describes these for people who choose one.
+    pub about: &'static str,
+    /// The documentation of its type.
+    pub doc: &'static str,
     /// The orders that its parameter is one of; none where that is a share `s` of the step.
     pub orders: &'static [u32],
+    /// The order of steps that do not say one.
+    pub usual_order: Option<u32>,
     /// The members with names of their own.
-    pub named: &'static [(&'static str, Member)],
+    pub named: &'static [Named],
     /// The member that a retraction alone stands for.
     pub bare: Option<Member>,
     /// Who needs a momentum for each velocity; none if the method does not.
     pub needs_momentum: Option<&'static str>,
+    /// Whether its steps are symplectic, for left-invariant systems Poisson maps that keep all Casimirs, where no force acts.
+    pub is_symplectic: bool,
+    /// Whether all of its members are one map, for left-invariant systems without forces and potentials on the group, if
+    /// the retraction is a function of one matrix.
+    pub is_one_map: bool,
+}
+
+/// A member of a method with a name of its own.
+#[derive(Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Named {
+    /// Its name, in descriptions and that of its type in the runtime.
+    pub name: &'static str,
+    /// Its name on command lines.
+    pub word: &'static str,
+    /// Describes it for people who choose one.
+    pub about: &'static str,
+    /// The member.
+    pub member: Member,
+    /// The documentation of its type; empty where the type has the method's name.
+    pub doc: &'static str,
 }
 
 impl Method {
     /// The member of this name.
     pub fn named(&'static self, name: &str) -> Option<Rule> {
-        self.named.iter().find(|(known, _)| *known == name).map(|&(_, member)| self.member(member))
+        self.named.iter().find(|known| known.name == name).map(|known| self.member(known.member))
     }
 
     /// A member as a rule.
@@ -66,7 +92,7 @@ impl Rule {
     /// Its name, if it has one.
     pub fn name(self) -> Option<&'static str> {
         let mut named = self.method.named.iter();
-        named.find(|&&(_, member)| Parameter::Share(member) == self.parameter).map(|&(name, _)| name)
+        named.find(|named| Parameter::Share(named.member) == self.parameter).map(|named| named.name)
     }
 }
 

@@ -7,7 +7,7 @@ use coadjoint::erased::dynamic::{
     Definition, Given, Inertia, LANES, Layout, Lengths, MACHINE_LANES, March, Rule, Step, StepFunction,
     StepFunctions, SystemFunction, SystemFunctions, Work, description, side_by_side, with_events,
 };
-use coadjoint::{Event, Kind, Quantity, Role, Side};
+use coadjoint::{Event, Kind, Quantity, Role, Scheme, Side};
 use coadjoint_codegen::emit::bytes;
 use coadjoint_codegen::program::{
     self, Function, Input, Interface, Module, Program, RecordKind, StepProgram, StepRole, SystemRole,
@@ -98,19 +98,16 @@ fn quantities(all: &[program::Quantity]) -> &'static [Quantity] {
 }
 
 fn retraction(retraction: scheme::Retraction) -> RetractionKind {
-    let is = |kind: &RetractionKind| format!("{kind:?}") == retraction.name();
+    let is = |kind: &RetractionKind| kind.name() == retraction.name();
     RetractionKind::ALL.into_iter().find(is).unwrap_or(RetractionKind::Exponential)
 }
 
-/// The runtime's rule of this name.
-fn rule(rule: scheme::Rule) -> Option<Rule> {
-    use scheme::Parameter;
-    Some(match (rule.method.rule, rule.parameter) {
-        ("Member", Parameter::Share(member)) => Rule::Member(member.numerator, member.denominator),
-        ("TangentLift", Parameter::Share(member)) => Rule::TangentLift(member.numerator, member.denominator),
-        ("HamiltonJacobi", Parameter::Order(order)) => Rule::HamiltonJacobi(order),
-        _ => return None,
-    })
+/// The runtime's step of the same name.
+fn step_named(scheme: &scheme::Scheme) -> Option<(RetractionKind, Rule)> {
+    match scheme.type_name().parse() {
+        Ok(Scheme::Step(map, rule)) => Some((map, rule)),
+        _ => None,
+    }
 }
 
 /// A step's functions on frames.
@@ -263,9 +260,7 @@ fn step(all: &Arc<Program>, place: usize, interpreted: bool) -> Step {
     let schemes = std::iter::once(&program.scheme).chain(&program.aliases);
     let mut bytes = bytes::functions(module);
     Step {
-        schemes: schemes
-            .filter_map(|scheme| Some((retraction(scheme.retraction), rule(scheme.rule)?)))
-            .collect(),
+        schemes: schemes.filter_map(step_named).collect(),
         blocks: program.blocks.clone(),
         has_domain: module.function(StepRole::Domain).is_some(),
         has_true_jacobian: program.has_true_jacobian,

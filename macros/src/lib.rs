@@ -96,3 +96,17 @@ pub fn expression(attribute: TokenStream, item: TokenStream) -> TokenStream {
 pub fn lie_poisson_system_with(input: TokenStream) -> TokenStream {
     coadjoint_codegen::lie_poisson_system_with(input.into()).into()
 }
+
+/// Calls a macro with the generator's table of retractions: of it the libraries make their types.
+#[doc(hidden)]
+#[proc_macro]
+pub fn retractions(callback: TokenStream) -> TokenStream {
+    coadjoint_codegen::library::retractions(callback.into()).into()
+}
+
+/// Calls a macro with the generator's table of methods.
+#[doc(hidden)]
+#[proc_macro]
+pub fn methods(callback: TokenStream) -> TokenStream {
+    coadjoint_codegen::library::methods(callback.into()).into()
+}

@@ -35,7 +35,13 @@ const SOME: [&str; 16] = [
 
 type Files = Vec<(String, Vec<u8>)>;
 
-struct Scratch(PathBuf);
+struct Scratch {
+    /// Where the program writes.
+    path: PathBuf,
+    /// Where Open MPI has its own files, of this job alone: a job that ends removes the directory in which another one,
+    /// that starts, is about to make its own. Short, for sockets have names of 107 bytes.
+    sessions: PathBuf,
+}
 
 impl Scratch {
     fn new(test: &str) -> Self {
@@ -43,9 +49,12 @@ impl Scratch {
         let count = COUNT.fetch_add(1, Ordering::Relaxed);
         let name = format!("{test}-{}-{count}", std::process::id());
         let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-        let _ = fs::remove_dir_all(&path);
-        fs::create_dir_all(&path).expect("writable");
-        Self(path)
+        let sessions = std::env::temp_dir().join(format!("ranks-{}-{count}", std::process::id()));
+        for path in [&path, &sessions] {
+            let _ = fs::remove_dir_all(path);
+            fs::create_dir_all(path).expect("writable");
+        }
+        Self { path, sessions }
     }
 
     fn start(&self, ranks: usize, arguments: &[&str]) -> Child {
@@ -53,14 +62,16 @@ impl Scratch {
     }
 
     fn mpirun(&self, arguments: &[&str]) -> Child {
-        let mut command = Command::new("mpirun");
-        command
-            .args(is_open_mpi().then_some("--oversubscribe"))
-            .args(arguments)
-            .current_dir(&self.0)
-            .stdin(Stdio::null());
-        as_root(&mut command).env("RAYON_NUM_THREADS", "1").stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut command = self.command(Path::new("mpirun"));
+        command.args(is_open_mpi().then_some("--oversubscribe")).args(arguments).stdin(Stdio::null());
+        command.env("RAYON_NUM_THREADS", "1").stdout(Stdio::piped()).stderr(Stdio::piped());
         command.spawn().expect("mpirun starts")
+    }
+
+    fn command(&self, program: &Path) -> Command {
+        let mut command = Command::new(program);
+        as_root(&mut command).current_dir(&self.path).env("TMPDIR", &self.sessions);
+        command
     }
 
     fn run(&self, ranks: usize, arguments: &[&str]) -> Output {
@@ -80,7 +91,7 @@ impl Scratch {
 
     /// All that is in the directory of results and below.
     fn results(&self) -> Files {
-        let root = self.0.join("out");
+        let root = self.path.join("out");
         let read = |path: PathBuf| {
             let name = path.strip_prefix(&root).expect("in it").to_string_lossy().into_owned();
             (name, fs::read(&path).expect("readable"))
@@ -92,7 +103,7 @@ impl Scratch {
 
     /// Where the files are, some of which a running job may have renamed since.
     fn files(&self) -> Vec<PathBuf> {
-        let (mut found, mut directories) = (Vec::new(), vec![self.0.join("out")]);
+        let (mut found, mut directories) = (Vec::new(), vec![self.path.join("out")]);
         while let Some(directory) = directories.pop() {
             for entry in fs::read_dir(&directory).into_iter().flatten().flatten() {
                 let path = entry.path();
@@ -105,7 +116,8 @@ impl Scratch {
 
 impl Drop for Scratch {
     fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
+        let _ = fs::remove_dir_all(&self.path);
+        let _ = fs::remove_dir_all(&self.sessions);
     }
 }
 
@@ -141,8 +153,7 @@ fn alone(arguments: &[&str]) -> Files {
 
 fn alone_with(program: &Path, arguments: &[&str]) -> Files {
     let scratch = Scratch::new("alone");
-    let output = as_root(&mut Command::new(program)).args(arguments).current_dir(&scratch.0).output();
-    let output = output.expect("it starts");
+    let output = scratch.command(program).args(arguments).output().expect("it starts");
     assert!(output.status.success(), "{}: {}", output.status, text(&output.stderr));
     let found = scratch.results();
     assert!(found.len() > 4, "table, picture, rows");

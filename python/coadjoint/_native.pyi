@@ -6,7 +6,7 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Ensemble", "Model", "Statistics", "Stepper", "System", "__version__", "catalogue", "cuda"]
+__all__ = ["Ensemble", "Model", "Statistics", "Stepper", "System", "__version__", "catalogue", "cuda", "retractions", "steps"]
 
 __version__: str
 
@@ -19,6 +19,12 @@ def catalogue() -> list[tuple[str, str]]:
 
 def cuda(text: str, scheme: str, name: str | None = None) -> tuple[str, str]:
     """The header of a description's steps with a scheme, and what the names in it begin with."""
+
+def retractions() -> list[tuple[str, str]]:
+    """The words for retractions, and the library's names."""
+
+def steps() -> list[tuple[str, str]]:
+    """The words for steps on a retraction that need no number, and the library's names."""
 
 @final
 class Model:

@@ -19,20 +19,10 @@ if TYPE_CHECKING:
     from ._ensemble import EnsembleSolution, EnsembleStatistics, Quantities
     from ._solution import Solution
 
-#: Words for schemes, and the library's names for them.
-SCHEMES = {
-    "exponential": "Exponential",
-    "cayley": "Cayley",
-    "second-kind": "SecondKind",
-    "euler-a": "SymplecticEulerA",
-    "euler-b": "SymplecticEulerB",
-    "midpoint": "Midpoint",
-    "verlet": "StormerVerlet",
-    "tangent-lift": "TangentLift",
-    "tangent-midpoint": "TangentMidpoint",
-}
-#: Those that are named after the map that they move by.
-RETRACTIONS = ("Exponential", "Cayley", "SecondKind")
+#: Words for schemes that are named after the map that they move by, and the library's names for them.
+RETRACTIONS = dict(_native.retractions())
+#: Words for all schemes.
+SCHEMES = RETRACTIONS | dict(_native.steps())
 ORDERS = (4, 6, 8, 10)
 
 
@@ -50,7 +40,7 @@ def scheme_name(system: System, scheme: str | None, order: int | None) -> str:
             order = int(derived[0]) if len(derived) == 1 else 6
         return f"{start}{order}>"
     name = SCHEMES.get(scheme, scheme)
-    if scheme in SCHEMES and name not in RETRACTIONS and retraction == "cayley":
+    if scheme in SCHEMES and scheme not in RETRACTIONS and retraction == "cayley":
         name = f"{name}<Cayley>"
     if order in (None, 2):
         return name

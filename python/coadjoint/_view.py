@@ -9,12 +9,14 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from . import _native
+
 if TYPE_CHECKING:
     from ._solution import Solution
 
 
-METHODS = {"Midpoint": "midpoint", "StormerVerlet": "verlet", "SymplecticEulerA": "euler-a", "SymplecticEulerB": "euler-b"}
-RETRACTIONS = {"Exponential": "exponential", "Cayley": "cayley", "SecondKind": "second-kind"}
+METHODS = {name: word for word, name in _native.steps()}
+RETRACTIONS = {name: word for word, name in _native.retractions()}
 
 
 def options(solution: Solution) -> list[str]:

@@ -13,6 +13,7 @@ mod run;
 mod statistics;
 mod stepper;
 mod system;
+mod vocabulary;
 mod watch;
 
 pub use module::add;
@@ -35,6 +36,8 @@ mod _native {
     use crate::stepper::Stepper;
     #[pymodule_export]
     use crate::system::{Model, System};
+    #[pymodule_export]
+    use crate::vocabulary::{retractions, steps};
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

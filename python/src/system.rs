@@ -52,7 +52,7 @@ impl Model {
         };
         let system = make(&[]);
         let maps = RetractionKind::ALL.into_iter();
-        let schemes = maps.flat_map(|map| RULES.map(|rule| (map, rule)));
+        let schemes = maps.flat_map(|map| Rule::NAMED.iter().map(move |&rule| (map, rule)));
         let schemes = schemes.filter(|(map, rule)| system.method(*map, *rule, 1.0).is_some());
         Self {
             description: Description::of::<S>(),
@@ -63,19 +63,6 @@ impl Model {
         }
     }
 }
-
-/// The rules of steps that a description may ask for by name.
-const RULES: [Rule; 9] = [
-    Rule::Member(0, 1),
-    Rule::Member(1, 2),
-    Rule::Member(1, 1),
-    Rule::TangentLift(0, 1),
-    Rule::TangentLift(1, 2),
-    Rule::HamiltonJacobi(4),
-    Rule::HamiltonJacobi(6),
-    Rule::HamiltonJacobi(8),
-    Rule::HamiltonJacobi(10),
-];
 
 #[pymethods]
 impl Model {

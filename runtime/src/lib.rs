@@ -229,12 +229,10 @@ pub use nalgebra;
 #[cfg(feature = "std")]
 pub use observe::Record;
 pub use observe::{Invariants, Observer};
-pub use retraction::{Cayley, Exponential, SecondKind};
+pub use retraction::markers::*;
 pub use run::{Run, RunError, RunReport, Tick};
-pub use scheme::{
-    Family, HamiltonJacobi, Midpoint, RightLift, StormerVerlet, SymplecticEulerA, SymplecticEulerB,
-    TangentLift, TangentMidpoint,
-};
+pub use scheme::markers::*;
+pub use scheme::{RightLift, StormerVerlet};
 #[cfg(feature = "std")]
 #[doc(hidden)]
 pub use schemes::CoefficientSet;
@@ -266,7 +264,8 @@ pub mod __private {
     pub use crate::retraction::RetractionKind;
     pub use crate::scalar::stumpff::family;
     pub use crate::scalar::{Batch, Components, Scalar};
-    pub use crate::scheme::{Family, HamiltonJacobi, Rule, StormerVerlet, TangentLift};
+    pub use crate::scheme::markers::*;
+    pub use crate::scheme::{Rule, StormerVerlet};
     pub use crate::solve::step::OneStep;
     pub use crate::system::{
         Control, Generated, Geometry, Isolated, Kind, NoControl, Quantity, Retracted, Role, Schemes, Side,

@@ -28,77 +28,7 @@
 
 use core::marker::PhantomData;
 
-use crate::retraction::{Exponential, Retraction, RetractionKind};
-
-/// The member `s = N/D`, in lowest terms and from 0 to 1, of the family of one-step schemes with the retraction `R`.
-///
-/// The step's equation is set up at the point `s` of the way from its start to its end: with the step `h`, solve for `η`
-///
-/// ```text
-/// g_s = g_k τ(−sη)⁻¹
-/// m   = Ad*_{τ(−sη)⁻¹} μ_k
-/// μ_s = (1−s) (dR τ_{(1−s)η})* m + s (dR τ_{−sη})* m
-/// η   = h ∂h/∂μ(μ_s)
-/// ```
-///
-/// and take `μ_{k+1} = Ad*_{τ((1−s)η)} m`, `g_{k+1} = g_s τ((1−s)η)`. A potential on the group, forces and explicit time act there
-/// too: at `g_s` and the time `t_k + s h`, with the share `1 − s` before and `s` after.
-///
-/// - For left-invariant systems without forces, every member is a Poisson map and keeps the Casimirs, with any retraction. With
-///   [`Exponential`] and [`Cayley`](crate::retraction::Cayley) it is symmetric and of order 2.
-/// - With a potential on the group, every member is symplectic on `T*G`. Its adjoint, the inverse of the step `−h`, is the member
-///   `1 − s`: only `s = ½` is symmetric and of order 2, the others are of order 1. So it is with
-///   [`SecondKind`](crate::retraction::SecondKind) for left-invariant systems too.
-/// - With forces no member is symplectic, nor is the motion; orders and adjoints are as with a potential.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Family<R = Exponential, const N: u32 = 0, const D: u32 = 1>(PhantomData<R>);
-
-/// The member `s = 0` of the [family](Family): for left-invariant systems the reduced step (6.5) of the paper.
-pub type SymplecticEulerA<R = Exponential> = Family<R, 0, 1>;
-/// The member `s = ½` of the [family](Family), symmetric and of order 2 for every system.
-pub type Midpoint<R = Exponential> = Family<R, 1, 2>;
-/// The member `s = 1` of the [family](Family), the adjoint of [`SymplecticEulerA`].
-pub type SymplecticEulerB<R = Exponential> = Family<R, 1, 1>;
-
-/// The tangent lift (5.7) of the discretization map with `s = N/D`, in lowest terms and from 0 to 1: a step of the Lagrangian side. With the
-/// velocity `ξ`, its change `ξ'` along the motion, and the velocity `η` at the intermediate point `ḡ = g_k τ(shη)`, solve for `η`
-///
-/// ```text
-/// ξ_k = η − s h dL τ_{−shη} ξ'(ḡ, η)
-/// ```
-///
-/// and take `ξ_{k+1} = η + (1−s) h dL τ_{(1−s)hη} ξ'(ḡ, η)`, `g_{k+1} = ḡ τ((1−s)hη)`. Velocities belong to momenta by the inertia, or by the
-/// Legendre transform of the Lagrangian or Hamiltonian.
-///
-/// The member `s = 0` is explicit. The configuration stays on its group and advected parameters on their orbits. Of order 1, `s = ½` of order 2
-/// and symmetric; not symplectic, and no Poisson map: energy and momentum drift. To compare with, not to compute with. Asked for with
-/// `methods(TangentLift)`, `methods(TangentLift(1, 4))` or `methods(TangentMidpoint)`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct TangentLift<R = Exponential, const N: u32 = 0, const D: u32 = 1>(PhantomData<R>);
-
-/// The [tangent lift](TangentLift) with `s = ½`, symmetric and of order 2.
-pub type TangentMidpoint<R = Exponential> = TangentLift<R, 1, 2>;
-
-/// A step of the even order `P`, from 4 to 10, from one equation: symplectic, for left-invariant systems a Poisson map that keeps the Casimirs,
-/// and symmetric, as [`Midpoint`] is. Asked for with `methods(HamiltonJacobi(6))`.
-///
-/// Where the midpoint step solves `∂l/∂ξ(ḡ, η/h) = m̄` with the Lagrangian `l`, the action over a step in the lowest order, this solves the same
-/// with the action up to order `P`, a power series in the step that the macro derives: with the unknown `η`, `ḡ = g_k τ(η/2)`,
-///
-/// ```text
-/// m⁻ = Ad*_{τ(−η/2)⁻¹} μ_k,   m⁺ = m⁻ + ∂R/∂g
-/// ∂R/∂η = ½ (dR τ_{η/2})* m⁺ + ½ (dL τ_{−η/2})* μ_k
-/// μ_{k+1} = Ad*_{τ(η/2)} m⁺,   g_{k+1} = ḡ τ(η/2)
-/// ```
-///
-/// where `R(ḡ, η, h)` is the action of the motion from `ḡ τ(−η/2)` to `ḡ τ(η/2)` in the time `h`: Hamilton's principal function, which solves the
-/// Hamilton–Jacobi equation. There has to be a momentum for each velocity in closed form, as there is for every inertia, Lagrangian, and
-/// Hamiltonian that is quadratic in the momentum. With forces the step is not symplectic, nor is the motion; order and symmetry stay. Controls
-/// are held over a step; what changes within it belongs into the description, as a function of `t`.
-///
-/// Ge and Marsden, Phys. Lett. A 133 (1988) 134.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct HamiltonJacobi<R = Exponential, const P: u32 = 6>(PhantomData<R>);
+use crate::retraction::{Exponential, RetractionKind};
 
 /// The scheme `M` carrying the momentum in space coordinates, (6.6) and (6.9) of the paper, for systems on which nothing
 /// [acts](crate::system::Isolated): the spatial momentum is constant bit for bit, and the body momentum is what belongs to it. Where
@@ -114,18 +44,6 @@ pub struct RightLift<M = SymplecticEulerA>(PhantomData<M>);
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StormerVerlet<R = Exponential>(PhantomData<R>);
 
-/// A generated step as a value, but for its retraction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Rule {
-    /// The member `s = numerator/denominator` of the [family](Family), in lowest terms.
-    Member(u32, u32),
-    /// The [`TangentLift`] with `s = numerator/denominator`, in lowest terms.
-    TangentLift(u32, u32),
-    /// The [`HamiltonJacobi`] step of this order.
-    HamiltonJacobi(u32),
-}
-
 /// The type that stands for a generated step.
 #[doc(hidden)]
 pub trait Base: 'static {
@@ -135,17 +53,173 @@ pub trait Base: 'static {
     const RULE: Rule;
 }
 
-impl<R: Retraction + 'static, const N: u32, const D: u32> Base for Family<R, N, D> {
-    const MAP: RetractionKind = R::MAP;
-    const RULE: Rule = Rule::Member(N, D);
+/// A method, as it is written, and what its steps promise.
+pub(crate) struct MethodRow {
+    /// Its name, that of its type.
+    pub name: &'static str,
+    /// Its steps by their parameter.
+    pub rules: Rules,
+    /// Whether its steps are symplectic, for left-invariant systems Poisson maps that keep all Casimirs, where no force acts.
+    pub is_symplectic: bool,
+    /// Whether all of its members are one map, for left-invariant systems without forces and potentials on the group, if
+    /// the retraction is a function of one matrix.
+    pub is_one_map: bool,
 }
 
-impl<R: Retraction + 'static, const N: u32, const D: u32> Base for TangentLift<R, N, D> {
-    const MAP: RetractionKind = R::MAP;
-    const RULE: Rule = Rule::TangentLift(N, D);
+#[cfg(feature = "std")]
+impl MethodRow {
+    /// The steps with names of their own, with numerators and denominators.
+    pub(crate) fn named(&self) -> &'static [(&'static str, u32, u32)] {
+        match self.rules {
+            Rules::Share { named, .. } => named,
+            Rules::Order { .. } => &[],
+        }
+    }
+
+    /// Tells whether the method or one of its steps has this name.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.name == name || self.named().iter().any(|named| named.0 == name)
+    }
 }
 
-impl<R: Retraction + 'static, const P: u32> Base for HamiltonJacobi<R, P> {
-    const MAP: RetractionKind = R::MAP;
-    const RULE: Rule = Rule::HamiltonJacobi(P);
+/// The steps of a method.
+pub(crate) enum Rules {
+    /// By the share of the step before the intermediate point; some have names of their own, those of types.
+    Share {
+        /// The step with the share `numerator/denominator`.
+        rule: fn(u32, u32) -> Rule,
+        /// The names, with numerators and denominators.
+        named: &'static [(&'static str, u32, u32)],
+    },
+    /// By the order.
+    Order {
+        /// The step of an order.
+        rule: fn(u32) -> Rule,
+        /// The order of steps that do not say one.
+        usual: u32,
+    },
 }
+
+/// What tells the steps of a method from each other.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Parameter {
+    /// The share `numerator/denominator` of the step before the intermediate point.
+    Share(u32, u32),
+    /// The order.
+    Order(u32),
+}
+
+/// Makes the types of a table of methods.
+macro_rules! methods {
+    (
+        share { $($(#[doc = $share_doc:tt])* $share:ident {
+            word: $_share_word:literal,
+            about: $_share_about:literal,
+            is_symplectic: $share_is_symplectic:literal,
+            is_one_map: $is_one_map:literal,
+            named: { $($(#[doc = $member_doc:tt])? $member:ident($n:literal, $d:literal) { $($_member:tt)* })* }
+        })* }
+        order { $($(#[doc = $order_doc:tt])* $order:ident {
+            word: $_order_word:literal,
+            about: $_order_about:literal,
+            is_symplectic: $order_is_symplectic:literal,
+            orders: [$($of:literal),*],
+            usual: $usual:literal
+        })* }
+    ) => {
+        /// A generated step as a value, but for its retraction.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[non_exhaustive]
+        pub enum Rule {
+            $(
+                #[doc = concat!("The member `s = numerator/denominator` of [`", stringify!($share), "`], in lowest terms.")]
+                $share(u32, u32),
+            )*
+            $(
+                #[doc = concat!("The [`", stringify!($order), "`] step of this order.")]
+                $order(u32),
+            )*
+        }
+
+        impl Rule {
+            /// What its method is, and its parameter.
+            pub(crate) const fn row(self) -> (&'static MethodRow, Parameter) {
+                match self {
+                    $(Self::$share(numerator, denominator) => {
+                        const ROW: &MethodRow = &MethodRow {
+                            name: stringify!($share),
+                            rules: Rules::Share {
+                                rule: Rule::$share,
+                                named: &[$((stringify!($member), $n, $d)),*],
+                            },
+                            is_symplectic: $share_is_symplectic,
+                            is_one_map: $is_one_map,
+                        };
+                        (ROW, Parameter::Share(numerator, denominator))
+                    })*
+                    $(Self::$order(order) => {
+                        const ROW: &MethodRow = &MethodRow {
+                            name: stringify!($order),
+                            rules: Rules::Order { rule: Rule::$order, usual: $usual },
+                            is_symplectic: $order_is_symplectic,
+                            is_one_map: false,
+                        };
+                        (ROW, Parameter::Order(order))
+                    })*
+                }
+            }
+
+            /// The methods.
+            pub(crate) const METHODS: [&MethodRow; [$(stringify!($share),)* $(stringify!($order)),*].len()] =
+                [$(Self::$share(0, 1).row().0,)* $(Self::$order($usual).row().0),*];
+
+            /// The steps that a description may ask for by name, and those of each order.
+            #[doc(hidden)]
+            pub const NAMED: &[Rule] = &[$($(Self::$share($n, $d),)*)* $($(Self::$order($of),)*)*];
+        }
+
+        /// Types that stand for steps.
+        pub(crate) mod markers {
+            use core::marker::PhantomData;
+
+            use super::{Base, Rule};
+            use crate::retraction::{Exponential, Retraction, RetractionKind};
+
+            $(
+                $(#[doc = $share_doc])*
+                #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+                pub struct $share<R = Exponential, const N: u32 = 0, const D: u32 = 1>(PhantomData<R>);
+
+                impl<R: Retraction + 'static, const N: u32, const D: u32> Base for $share<R, N, D> {
+                    const MAP: RetractionKind = R::MAP;
+                    const RULE: Rule = Rule::$share(N, D);
+                }
+
+                methods!(@ $share $($(#[doc = $member_doc])? $member($n, $d))*);
+            )*
+            $(
+                $(#[doc = $order_doc])*
+                #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+                pub struct $order<R = Exponential, const P: u32 = $usual>(PhantomData<R>);
+
+                impl<R: Retraction + 'static, const P: u32> Base for $order<R, P> {
+                    const MAP: RetractionKind = R::MAP;
+                    const RULE: Rule = Rule::$order(P);
+                }
+            )*
+        }
+    };
+    (@ $share:ident #[doc = $doc:tt] $member:ident($n:literal, $d:literal) $($rest:tt)*) => {
+        #[doc = $doc]
+        pub type $member<R = Exponential> = $share<R, $n, $d>;
+        methods!(@ $share $($rest)*);
+    };
+    // the method's own type is this member, unless it says another
+    (@ $share:ident $member:ident($n:literal, $d:literal) $($rest:tt)*) => {
+        methods!(@ $share $($rest)*);
+    };
+    (@ $share:ident) => {};
+}
+coadjoint_macros::methods!(methods);
+
+pub use markers::*;

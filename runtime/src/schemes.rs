@@ -10,8 +10,8 @@ use std::vec::Vec;
 use thiserror::Error;
 
 use crate::composition::{Coefficients, Composed, KahanLi6, KahanLi8, SofroniouSpaletta10, Suzuki4, checked};
-use crate::retraction::{Cayley, Exponential, Retraction, RetractionKind, SecondKind};
-use crate::scheme::{Base, RightLift, Rule, StormerVerlet};
+use crate::retraction::{Retraction, RetractionKind};
+use crate::scheme::{Base, Parameter, RightLift, Rule, Rules, StormerVerlet};
 use crate::system::Description;
 
 /// A scheme as a value: what [`Stepper`](crate::Stepper) has as a type.
@@ -76,17 +76,6 @@ pub trait SchemeType: 'static {
     fn scheme() -> Scheme;
 }
 
-macro_rules! bare {
-    ($($retraction:ident),*) => {
-        $(impl SchemeType for $retraction {
-            fn scheme() -> Scheme {
-                Scheme::Standard(Self::MAP)
-            }
-        })*
-    };
-}
-bare!(Exponential, Cayley, SecondKind);
-
 impl<M: Base> SchemeType for M {
     fn scheme() -> Scheme {
         Scheme::Step(M::MAP, M::RULE)
@@ -117,7 +106,7 @@ pub(crate) type Part = (RetractionKind, Rule, f64);
 impl Scheme {
     /// Returns the member `s = numerator/denominator` of the [family](crate::scheme::Family).
     pub const fn member(map: RetractionKind, numerator: u32, denominator: u32) -> Self {
-        Self::Step(map, Rule::Member(numerator, denominator))
+        Self::Step(map, Rule::Family(numerator, denominator))
     }
 
     /// Returns the symmetric composition with coefficients `C` of steps with another scheme. Coefficients that are none do not compile: see
@@ -140,7 +129,7 @@ impl Scheme {
     /// The generated steps that a step of this length is made of, one after the other.
     pub(crate) fn parts(&self, invariant: bool, step: f64) -> Vec<Part> {
         let halves =
-            |map| std::vec![(map, Rule::Member(0, 1), 0.5 * step), (map, Rule::Member(1, 1), 0.5 * step)];
+            |map| std::vec![(map, Rule::Family(0, 1), 0.5 * step), (map, Rule::Family(1, 1), 0.5 * step)];
         match self.resolved(invariant) {
             Self::Step(map, rule) => std::vec![(map, rule, step)],
             Self::StormerVerlet(map) | Self::Standard(map) => halves(map),
@@ -155,25 +144,25 @@ impl Scheme {
     /// Returns what it promises of its steps of a system.
     pub fn properties(&self, system: &Description) -> Properties {
         match self.resolved(system.invariant) {
-            Self::Step(map, Rule::Member(numerator, denominator)) => {
-                // its adjoint is `1 − s` with any retraction; that `s` and `1 − s` are one map, where momentum and advected parameters alone
-                // have a part in the motion, follows from the retraction's being a function of one matrix
-                let is_middle = 2 * u64::from(numerator) == u64::from(denominator);
-                let symmetric = is_middle || system.invariant && map.is_matrix_function();
-                let order = if symmetric { 2 } else { 1 };
-                Properties { order, symmetric, poisson: !system.forced, casimirs: ConservedCasimirs::All }
+            Self::Step(map, rule) => {
+                let (row, parameter) = rule.row();
+                let (order, symmetric) = match parameter {
+                    Parameter::Share(numerator, denominator) => {
+                        // its adjoint is `1 − s` with any retraction; that `s` and `1 − s` are one map, where momentum and advected parameters
+                        // alone have a part in the motion, follows from the retraction's being a function of one matrix
+                        let is_middle = 2 * u64::from(numerator) == u64::from(denominator);
+                        let is_one_map = row.is_one_map && system.invariant && map.is_matrix_function();
+                        let symmetric = is_middle || is_one_map;
+                        (if symmetric { 2 } else { 1 }, symmetric)
+                    }
+                    Parameter::Order(order) => (order, true),
+                };
+                let casimirs = match row.is_symplectic {
+                    true => ConservedCasimirs::All,
+                    false => ConservedCasimirs::Advected,
+                };
+                Properties { order, symmetric, poisson: row.is_symplectic && !system.forced, casimirs }
             }
-            Self::Step(_, Rule::TangentLift(numerator, denominator)) => {
-                let symmetric = 2 * u64::from(numerator) == u64::from(denominator);
-                let order = if symmetric { 2 } else { 1 };
-                Properties { order, symmetric, poisson: false, casimirs: ConservedCasimirs::Advected }
-            }
-            Self::Step(_, Rule::HamiltonJacobi(order)) => Properties {
-                order,
-                symmetric: true,
-                poisson: !system.forced,
-                casimirs: ConservedCasimirs::All,
-            },
             // half of the first member, then half of its adjoint
             Self::StormerVerlet(map) | Self::Standard(map) => {
                 Properties { order: 2, symmetric: true, ..Self::member(map, 0, 1).properties(system) }
@@ -219,16 +208,17 @@ pub enum ConservedCasimirs {
 impl fmt::Display for Scheme {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Standard(map) => write!(f, "{map:?}"),
-            Self::Step(map, Rule::Member(0, 1)) => write!(f, "SymplecticEulerA<{map:?}>"),
-            Self::Step(map, Rule::Member(1, 2)) => write!(f, "Midpoint<{map:?}>"),
-            Self::Step(map, Rule::Member(1, 1)) => write!(f, "SymplecticEulerB<{map:?}>"),
-            Self::Step(map, Rule::Member(n, d)) => write!(f, "Family<{map:?}, {n}, {d}>"),
-            Self::Step(map, Rule::TangentLift(0, 1)) => write!(f, "TangentLift<{map:?}>"),
-            Self::Step(map, Rule::TangentLift(1, 2)) => write!(f, "TangentMidpoint<{map:?}>"),
-            Self::Step(map, Rule::TangentLift(n, d)) => write!(f, "TangentLift<{map:?}, {n}, {d}>"),
-            Self::Step(map, Rule::HamiltonJacobi(order)) => write!(f, "HamiltonJacobi<{map:?}, {order}>"),
-            Self::StormerVerlet(map) => write!(f, "StormerVerlet<{map:?}>"),
+            Self::Standard(map) => f.write_str(map.name()),
+            Self::Step(map, rule) => {
+                let ((row, parameter), map) = (rule.row(), map.name());
+                let named = row.named().iter().find(|(_, n, d)| Parameter::Share(*n, *d) == parameter);
+                match (named, parameter) {
+                    (Some((name, ..)), _) => write!(f, "{name}<{map}>"),
+                    (None, Parameter::Share(n, d)) => write!(f, "{}<{map}, {n}, {d}>", row.name),
+                    (None, Parameter::Order(order)) => write!(f, "{}<{map}, {order}>", row.name),
+                }
+            }
+            Self::StormerVerlet(map) => write!(f, "StormerVerlet<{}>", map.name()),
             Self::RightLift(base) => write!(f, "RightLift<{base}>"),
             Self::Composed(set, base) => match CoefficientSet::named().iter().find(|(_, named)| named == set)
             {
@@ -241,16 +231,30 @@ impl fmt::Display for Scheme {
 
 /// A text that names no scheme.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error(
-    "`{text}` names no scheme: one is a retraction (`Exponential`, `Cayley`, `SecondKind`), or `SymplecticEulerA`, `Midpoint`, \
-     `SymplecticEulerB`, `StormerVerlet`, `TangentLift` or `TangentMidpoint` on one (`Midpoint<Cayley>`), `Family<Cayley, 1, 4>`, \
-     `HamiltonJacobi<Cayley, 6>`, or \
-     `Order4`, `Order6`, `Order8`, `Order10` or `RightLift` of another scheme (`Order4<Cayley>`)"
-)]
+#[error("`{text}` names no scheme: {}", known())]
 #[non_exhaustive]
 pub struct ParseSchemeError {
     /// The text.
     pub text: String,
+}
+
+/// What names a scheme.
+fn known() -> String {
+    let quoted = |names: &mut dyn Iterator<Item = &'static str>| {
+        names.map(|name| std::format!("`{name}`")).collect::<Vec<_>>().join(", ")
+    };
+    let retractions = quoted(&mut RetractionKind::ALL.into_iter().map(RetractionKind::name));
+    let named = quoted(&mut Rule::METHODS.iter().flat_map(|row| row.named()).map(|named| named.0));
+    let with_numbers = Rule::METHODS.map(|row| match row.rules {
+        Rules::Share { .. } => std::format!("`{}<Cayley, 1, 4>`", row.name),
+        Rules::Order { usual, .. } => std::format!("`{}<Cayley, {usual}>`", row.name),
+    });
+    let composed = quoted(&mut CoefficientSet::named().into_iter().map(|(name, _)| name));
+    std::format!(
+        "one is a retraction ({retractions}), or {named} or `StormerVerlet` on one (`Midpoint<Cayley>`), {}, or {composed} or \
+         `RightLift` of another scheme (`Order4<Cayley>`)",
+        with_numbers.join(", ")
+    )
 }
 
 impl FromStr for Scheme {
@@ -279,43 +283,13 @@ fn parsed(text: &str, most: usize) -> Option<Scheme> {
         Some((name, rest)) => (name.trim(), rest.strip_suffix('>')?.trim()),
         None => (text, ""),
     };
-    let retraction = |name: &str| RetractionKind::ALL.into_iter().find(|map| name == std::format!("{map:?}"));
-    // what is left out is the types' default
-    let on = |name: &str| {
-        if name.is_empty() { Some(RetractionKind::Exponential) } else { retraction(name.trim()) }
-    };
-    let member = |numerator, denominator| Some(Scheme::member(on(inner)?, numerator, denominator));
-    let lift =
-        |numerator, denominator| Some(Scheme::Step(on(inner)?, Rule::TangentLift(numerator, denominator)));
     match name {
-        "Midpoint" => member(1, 2),
-        "SymplecticEulerB" => member(1, 1),
-        "TangentMidpoint" => lift(1, 2),
-        "Family" | "TangentLift" if inner.contains(',') => {
-            let mut arguments = inner.split(',').map(str::trim);
-            let (map, n, d) = (arguments.next()?, arguments.next()?, arguments.next()?);
-            let (map, n, d): (RetractionKind, u32, u32) = (on(map)?, n.parse().ok()?, d.parse().ok()?);
-            if arguments.next().is_some() || d == 0 || n > d {
-                return None;
-            }
-            let common = gcd(n, d);
-            let rule = if name == "Family" { Rule::Member } else { Rule::TangentLift };
-            Some(Scheme::Step(map, rule(n / common, d / common)))
-        }
-        "HamiltonJacobi" => {
-            let (map, order) = match inner.split_once(',') {
-                Some((map, order)) => (map, order.trim().parse().ok()?),
-                None => (inner, 6),
-            };
-            Some(Scheme::Step(on(map)?, Rule::HamiltonJacobi(order)))
-        }
-        "SymplecticEulerA" | "Family" => member(0, 1),
-        "TangentLift" => lift(0, 1),
         "StormerVerlet" => Some(Scheme::StormerVerlet(on(inner)?)),
         "RightLift" if !inner.contains("RightLift") => {
-            let base = if inner.is_empty() { member(0, 1) } else { parsed(inner, most) };
+            let base = if inner.is_empty() { step("SymplecticEulerA", "") } else { parsed(inner, most) };
             Some(Scheme::RightLift(Box::new(base?)))
         }
+        _ if Rule::METHODS.iter().any(|row| row.has(name)) => step(name, inner),
         _ => match CoefficientSet::named().into_iter().find(|(order, _)| *order == name) {
             Some((_, set)) => {
                 let most = most / set.gamma.len();
@@ -325,6 +299,43 @@ fn parsed(text: &str, most: usize) -> Option<Scheme> {
             None => None,
         },
     }
+}
+
+fn retraction(name: &str) -> Option<RetractionKind> {
+    RetractionKind::ALL.into_iter().find(|map| map.name() == name)
+}
+
+/// The retraction of this name; what is left out is the types' default.
+fn on(name: &str) -> Option<RetractionKind> {
+    if name.is_empty() { Some(RetractionKind::Exponential) } else { retraction(name.trim()) }
+}
+
+/// The generated step of this name, on what stands between `<` and `>`.
+fn step(name: &str, inner: &str) -> Option<Scheme> {
+    let row = Rule::METHODS.iter().find(|row| row.has(name))?;
+    let (map, parameter) = match inner.split_once(',') {
+        Some((map, parameter)) if name == row.name => (map, Some(parameter)),
+        _ => (inner, None),
+    };
+    let rule = match (&row.rules, parameter) {
+        (Rules::Share { rule, named }, None) => {
+            // the method by itself is its first member
+            named.iter().find(|named| named.0 == name).map_or_else(|| rule(0, 1), |&(_, n, d)| rule(n, d))
+        }
+        (Rules::Share { rule, .. }, Some(share)) => {
+            let (n, d) = share.split_once(',')?;
+            let (n, d): (u32, u32) = (n.trim().parse().ok()?, d.trim().parse().ok()?);
+            if d == 0 || n > d {
+                return None;
+            }
+            let common = gcd(n, d);
+            rule(n / common, d / common)
+        }
+        (Rules::Order { rule, usual }, order) => {
+            rule(order.map_or(Some(*usual), |order| order.trim().parse().ok())?)
+        }
+    };
+    Some(Scheme::Step(on(map)?, rule))
 }
 
 #[cfg(feature = "serde")]
@@ -360,6 +371,7 @@ fn without_paths(name: &str) -> String {
 mod tests {
     use super::*;
     use crate::composition::{Order4, Order10};
+    use crate::retraction::{Cayley, Exponential, SecondKind};
     use crate::scheme::{
         Family, HamiltonJacobi, Midpoint, SymplecticEulerA, SymplecticEulerB, TangentLift, TangentMidpoint,
     };

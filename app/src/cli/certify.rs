@@ -67,7 +67,7 @@ pub(crate) fn certify(
         Some(method) => vec![method],
         // what is usual of that order
         None if order != Order::Two => vec![Method::Standard],
-        None => [Method::Standard, Method::Midpoint]
+        None => [Method::Standard, Method::MIDPOINT]
             .into_iter()
             .filter(|&method| has_method(entry, method))
             .collect(),

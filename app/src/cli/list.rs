@@ -142,10 +142,10 @@ fn methods(entry: &Entry) -> Vec<String> {
     let mut names: Vec<String> = generated.chain(lifted).map(|method| method.to_string()).collect();
     let is_there = |order: &Order| {
         let usual = |&retraction: &Retraction| usual_method(entry, retraction, *order);
-        Retraction::COMMON.iter().map(usual).any(|method| method == Method::HamiltonJacobi)
+        Retraction::COMMON.iter().map(usual).any(|method| method == Method::HAMILTON_JACOBI)
     };
     let orders = Order::ALL.into_iter().filter(is_there).map(|order| order.number());
-    names.extend(orders.map(|order| format!("{} (order {order})", Method::HamiltonJacobi)));
+    names.extend(orders.map(|order| format!("{} (order {order})", Method::HAMILTON_JACOBI)));
     let system = entry.system(&entry.example.parameters);
     if erased::Adaptive::new(system, Tolerance::USUAL.value()).is_ok() {
         names.push("taylor (--tolerance)".to_owned());

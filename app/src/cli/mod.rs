@@ -205,8 +205,11 @@ impl App {
             Err(_) if !is_first => return Ok(()),
             Err(error) => {
                 let error = explained(error, &self.parser());
-                // not an exit at once: other processes may wait for this one
-                let _ = error.print();
+                // not an exit at once: other processes may wait for this one; a message beside theirs in one piece
+                let _ = match error.use_stderr() && ranks.size() > 1 {
+                    true => io::stderr().write_all(error.render().to_string().as_bytes()),
+                    false => error.print(),
+                };
                 return Err(Error::Usage(u8::try_from(error.exit_code()).unwrap_or(2)));
             }
         };

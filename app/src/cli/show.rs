@@ -6,7 +6,6 @@ use clap::{Args, ValueEnum};
 use coadjoint::composition::{Coefficients as _, KahanLi6, KahanLi8, SofroniouSpaletta10, Suzuki4};
 use coadjoint_codegen::emit::StepExpansion;
 use coadjoint_codegen::emit::c99::{self, Options, Steps};
-use coadjoint_codegen::group;
 use coadjoint_codegen::quantity::ScalarType;
 use coadjoint_codegen::scheme::Scheme;
 use coadjoint_codegen::source::Source;
@@ -111,7 +110,7 @@ fn steps(entry: &Entry, arguments: &ShowArguments) -> Result<Vec<Steps>, SetupEr
     let retractions = retraction.map_or_else(|| Retraction::of(entry), |retraction| vec![retraction]);
     let (method, order) = (method.unwrap_or_default(), order.unwrap_or_default());
     let gamma = match order {
-        _ if method == Method::HamiltonJacobi => &[],
+        _ if method.is_of_order() => &[],
         Order::Two => &[][..],
         Order::Four => Suzuki4::GAMMA,
         Order::Six => KahanLi6::GAMMA,
@@ -161,12 +160,7 @@ fn without_bytes(tokens: TokenStream) -> TokenStream {
 fn expand(source: &Source, name: Option<&str>, retraction: Option<Retraction>) -> syn::Result<TokenStream> {
     let mut expansion = coadjoint_codegen::expand_in(source, name)?;
     if let Some(retraction) = retraction {
-        let requested = match retraction {
-            Retraction::Exponential => group::Retraction::Exponential,
-            Retraction::Cayley => group::Retraction::Cayley,
-            Retraction::SecondKind => group::Retraction::SecondKind,
-        };
-        let is_wanted = |scheme: &Scheme| scheme.retraction == requested;
+        let is_wanted = |scheme: &Scheme| scheme.retraction.name() == retraction.map().name();
         expansion.steps.retain(|StepExpansion { program, .. }| {
             is_wanted(&program.scheme) || program.aliases.iter().any(is_wanted)
         });

@@ -522,7 +522,7 @@ mod tests {
     fn provenance() -> FileOrigin {
         let entry = catalogue().system("heavy_top").expect("it is there");
         let (retraction, order) = (Retraction::Cayley, Order::Four);
-        let job = Job { method: Method::Midpoint, retraction, order, step: 0.1 + 0.2, steps: 9, rest: 0.0 };
+        let job = Job { method: Method::MIDPOINT, retraction, order, step: 0.1 + 0.2, steps: 9, rest: 0.0 };
         let mut setup = entry.example.clone();
         setup.parameters[3] = 9.806_650_000_000_001;
         setup.state[4] = -0.0;
@@ -545,7 +545,7 @@ mod tests {
         assert_eq!(origin.words().join(" "), command);
         let entry = catalogue().system("heavy_top").expect("it is there");
         let job = Job {
-            method: Method::Midpoint,
+            method: Method::MIDPOINT,
             retraction: Retraction::Cayley,
             order: Order::Four,
             step: 0.1 + 0.2,

@@ -8,7 +8,12 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 use serde::{Deserialize, Serialize};
 
+use coadjoint::Scheme;
+use coadjoint::erased::RetractionKind;
+use coadjoint::scheme::Rule;
 use coadjoint_classical::{Method as _, RungeKutta, Tableau};
+
+use super::Order;
 
 /// The integration method: of ours, built on a retraction, or a classical one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -19,29 +24,92 @@ pub enum Method {
     /// in the motion and the retraction is odd, else `verlet`.
     #[default]
     Standard,
-    /// The symplectic Euler step: the paper's reduced step, of order 2 where it is the standard, else of order 1.
-    EulerA,
-    /// The adjoint of `euler-a`.
-    EulerB,
-    /// The implicit midpoint step, of order 2.
-    Midpoint,
+    /// A step that was generated, where it was; of steps with an order the usual one stands for all.
+    Step(Rule),
     /// Störmer and Verlet: half a step of `euler-a`, then half a step of `euler-b`; of order 2.
     Verlet,
-    /// Another member `s = numerator/denominator` of the family, in lowest terms, where it was generated.
-    Family(u32, u32),
     /// `euler-a` carrying the momentum in space, where nothing acts on the system.
     RightLift,
-    /// A Hamilton–Jacobi step, of order 4, 6, 8 or 10 from one equation, where it was generated.
-    HamiltonJacobi,
-    /// The tangent lift with `s = numerator/denominator`, in lowest terms, where it was generated: of order 1, with `s
-    /// = ½` of order 2, and not symplectic; explicit with `s = 0`.
-    TangentLift(u32, u32),
     /// Taylor steps to a tolerance, as many as there need be from one end of a step to the next, where the description has
     /// the key `taylor`.
     Taylor(Tolerance),
     /// A classical method, for comparison.
     Classical(Classical),
 }
+
+/// A method whose steps are generated.
+struct Generated {
+    /// Its name, for those of its steps that have none of their own.
+    word: &'static str,
+    /// Describes these.
+    about: &'static str,
+    /// Its steps.
+    rules: Rules,
+    /// Those with names of their own, each with its description.
+    named: &'static [(&'static str, Rule, &'static str)],
+    /// Whether they are symplectic, where no force acts.
+    is_symplectic: bool,
+}
+
+/// The steps of a method by their parameter.
+enum Rules {
+    /// By the share `numerator/denominator` of the step before the intermediate point, in lowest terms.
+    Share(fn(u32, u32) -> Rule),
+    /// By the order, and the usual one.
+    Order(fn(u32) -> Rule, Rule),
+}
+
+/// Lists the methods of the generator's table.
+macro_rules! generated {
+    (
+        share { $($(#[$_share_doc:meta])* $share:ident {
+            word: $share_word:literal,
+            about: $share_about:literal,
+            is_symplectic: $share_is_symplectic:literal,
+            is_one_map: $_is_one_map:literal,
+            named: { $($(#[$_doc:meta])* $_member:ident($n:literal, $d:literal) {
+                word: $word:literal, about: $about:literal
+            })* }
+        })* }
+        order { $($(#[$_order_doc:meta])* $order:ident {
+            word: $order_word:literal,
+            about: $order_about:literal,
+            is_symplectic: $order_is_symplectic:literal,
+            orders: [$($_of:literal),*],
+            usual: $usual:literal
+        })* }
+    ) => {
+        const GENERATED: &[Generated] = &[
+            $(Generated {
+                word: $share_word,
+                about: $share_about,
+                rules: Rules::Share(Rule::$share),
+                named: &[$(($word, Rule::$share($n, $d), $about)),*],
+                is_symplectic: $share_is_symplectic,
+            },)*
+            $(Generated {
+                word: $order_word,
+                about: $order_about,
+                rules: Rules::Order(Rule::$order, Rule::$order($usual)),
+                named: &[],
+                is_symplectic: $order_is_symplectic,
+            },)*
+        ];
+
+        /// The method of a generated step, and the share that tells it from others.
+        fn generated(rule: Rule) -> (&'static Generated, Option<(u32, u32)>) {
+            let (word, share) = match rule {
+                $(Rule::$share(n, d) => ($share_word, Some((n, d))),)*
+                $(Rule::$order(_) => ($order_word, None),)*
+                // none is left out of the table
+                _ => ("", None),
+            };
+            let method = GENERATED.iter().find(|method| method.word == word);
+            (method.unwrap_or(&GENERATED[0]), share)
+        }
+    };
+}
+coadjoint_macros::methods!(generated);
 
 /// A tolerance, between 0 and 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -146,16 +214,26 @@ impl Classical {
 impl Method {
     /// Those of ours that most systems have: `midpoint` where it was asked for.
     pub const COMMON: [Method; 5] =
-        [Method::Standard, Method::EulerA, Method::EulerB, Method::Midpoint, Method::Verlet];
+        [Method::Standard, Method::EULER_A, Method::EULER_B, Method::MIDPOINT, Method::Verlet];
+    /// The symplectic Euler step: the paper's reduced step, of order 2 where it is the standard, else of order 1.
+    pub const EULER_A: Method = Method::Step(Rule::Family(0, 1));
+    /// The adjoint of `euler-a`.
+    pub const EULER_B: Method = Method::Step(Rule::Family(1, 1));
+    /// The implicit midpoint step, of order 2.
+    pub const MIDPOINT: Method = Method::Step(Rule::Family(1, 2));
+    /// A Hamilton–Jacobi step, of order 4, 6, 8 or 10 from one equation.
+    pub const HAMILTON_JACOBI: Method = Method::Step(Rule::HamiltonJacobi(6));
 
     /// All that have a name of their own, without a number.
     fn named() -> impl Iterator<Item = Method> {
-        let ours = Self::COMMON.into_iter().chain([
-            Method::HamiltonJacobi,
-            Method::Taylor(Tolerance::USUAL),
-            Method::RightLift,
-            Method::TangentLift(0, 1),
-        ]);
+        let shares = GENERATED.iter().flat_map(|method| method.named).map(|named| Method::Step(named.1));
+        let orders = GENERATED.iter().filter_map(|method| match method.rules {
+            Rules::Order(_, usual) => Some(Method::Step(usual)),
+            Rules::Share(_) => None,
+        });
+        let is_new = |method: &Method| !Self::COMMON.contains(method);
+        let ours = Self::COMMON.into_iter().chain(orders).chain([Method::Taylor(Tolerance::USUAL)]);
+        let ours = ours.chain([Method::RightLift]).chain(shares.filter(is_new));
         ours.chain(Classical::ALL.into_iter().map(Method::Classical))
     }
 
@@ -164,26 +242,46 @@ impl Method {
     pub(crate) fn with_numbers() -> impl Iterator<Item = Method> {
         let fractions = (1..=64).flat_map(|denominator| (0..=denominator).map(move |n| (n, denominator)));
         let lowest = fractions.filter(|&(n, denominator)| greatest_common_divisor(n, denominator) == 1);
-        lowest.flat_map(|(n, denominator)| {
-            let member = Self::family(n, denominator);
-            let is_new = matches!(member, Method::Family(..));
-            is_new.then_some(member).into_iter().chain([Method::TangentLift(n, denominator)])
+        let shares = GENERATED.iter().filter_map(|method| match method.rules {
+            Rules::Share(rule) => Some(rule),
+            Rules::Order(..) => None,
+        });
+        let shares: Vec<_> = shares.collect();
+        lowest
+            .flat_map(move |(n, denominator)| {
+                shares.clone().into_iter().map(move |rule| Method::Step(rule(n, denominator)))
+            })
+            .filter(|method| !Self::COMMON.contains(method))
+    }
+
+    /// The scheme that it stands for, before steps of an order are composed of it; none if it is no scheme of the library, or none of
+    /// this order.
+    pub(crate) fn base(self, map: RetractionKind, order: Order) -> Option<Scheme> {
+        Some(match self {
+            Method::Standard => Scheme::Standard(map),
+            Method::Verlet => Scheme::StormerVerlet(map),
+            Method::Step(rule) => match generated(rule).0.rules {
+                Rules::Share(_) => Scheme::Step(map, rule),
+                Rules::Order(..) if order == Order::Two => return None,
+                Rules::Order(of, _) => Scheme::Step(map, of(order.number())),
+            },
+            Method::RightLift | Method::Taylor(_) | Method::Classical(_) => return None,
         })
     }
 
-    /// The member `s = numerator/denominator` of the family, in lowest terms.
-    fn family(numerator: u32, denominator: u32) -> Self {
-        match (numerator, denominator) {
-            (0, 1) => Method::EulerA,
-            (1, 2) => Method::Midpoint,
-            (1, 1) => Method::EulerB,
-            (numerator, denominator) => Method::Family(numerator, denominator),
-        }
+    /// Whether the order that is asked for is that of a step, not composed.
+    pub fn is_of_order(self) -> bool {
+        let Method::Step(rule) = self else { return false };
+        matches!(generated(rule).0.rules, Rules::Order(..))
     }
 
     /// Whether it is symmetric and of order 2 for every system, so that steps of higher order can be composed of it.
     pub fn is_symmetric(self) -> bool {
-        matches!(self, Method::Standard | Method::Midpoint | Method::Verlet | Method::TangentLift(1, 2))
+        match self {
+            Method::Standard | Method::Verlet => true,
+            Method::Step(rule) => generated(rule).1 == Some((1, 2)),
+            _ => false,
+        }
     }
 
     /// The classical method, if it is one.
@@ -202,7 +300,8 @@ impl Method {
     /// Whether its steps are symplectic, so that errors of what is conserved stay bounded for long.
     pub(crate) fn keeps_structure(self) -> bool {
         match self {
-            Method::TangentLift(..) | Method::Taylor(_) => false,
+            Method::Taylor(_) => false,
+            Method::Step(rule) => generated(rule).0.is_symplectic,
             Method::Classical(classical) => classical.runge_kutta().is_symplectic(),
             _ => true,
         }
@@ -212,32 +311,20 @@ impl Method {
     fn words(self) -> (&'static str, Cow<'static, str>) {
         let (name, about) = match self {
             Method::Standard => ("standard", "the system's standard step of order 2: `euler-a` or `verlet`"),
-            Method::EulerA => (
-                "euler-a",
-                "symplectic Euler, the paper's reduced step: order 2 where it is the standard, else 1",
-            ),
-            Method::EulerB => ("euler-b", "the adjoint of `euler-a`"),
-            Method::Midpoint => ("midpoint", "the implicit midpoint step on the group, order 2"),
+            Method::Step(rule) => {
+                let method = generated(rule).0;
+                match method.named.iter().find(|named| named.1 == rule) {
+                    Some((name, _, about)) => (*name, *about),
+                    None => (method.word, method.about),
+                }
+            }
             Method::Verlet => ("verlet", "half a step of `euler-a`, then half a step of `euler-b`: order 2"),
-            Method::Family(..) => {
-                ("family=N/D", "another member s of the family, from 0 to 1, where it was generated")
-            }
-            Method::HamiltonJacobi => {
-                ("hamilton-jacobi", "order 4 to 10 from one equation, where it was generated")
-            }
             Method::Taylor(_) => (
                 "taylor",
                 "Taylor steps to a tolerance, 1e-12 unless `taylor=1e-9` says another, where they were generated",
             ),
             Method::RightLift => {
                 ("right-lift", "`euler-a` carrying the momentum in space, where nothing acts")
-            }
-            Method::TangentLift(0, _) => (
-                "tangent-lift",
-                "the tangent lift, where it was generated: explicit, order 1, not symplectic",
-            ),
-            Method::TangentLift(..) => {
-                ("tangent-lift=N/D", "the tangent lift with another s; order 2 with 1/2")
             }
             Method::Classical(classical) => return (classical.name(), classical.about().into()),
         };
@@ -271,10 +358,15 @@ impl fmt::Display for Method {
     /// As the command line takes it.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Method::Family(numerator, denominator) => write!(f, "family={numerator}/{denominator}"),
             Method::Taylor(tolerance) => write!(f, "taylor={:e}", tolerance.value()),
-            Method::TangentLift(numerator @ 1.., denominator) => {
-                write!(f, "tangent-lift={numerator}/{denominator}")
+            Method::Step(rule) => {
+                f.write_str(self.words().0)?;
+                match generated(*rule) {
+                    (method, Some((n, d))) if method.named.iter().all(|named| named.1 != *rule) => {
+                        write!(f, "={n}/{d}")
+                    }
+                    _ => Ok(()),
+                }
             }
             named => f.write_str(named.words().0),
         }
@@ -286,7 +378,6 @@ impl FromStr for Method {
 
     fn from_str(name: &str) -> Result<Self, String> {
         match name.split_once('=') {
-            Some((of @ "family", s)) => return fraction(of, s).map(|(n, d)| Self::family(n, d)),
             Some(("taylor", tolerance)) => {
                 let known = tolerance.trim().parse().ok().and_then(Tolerance::new);
                 let message = || {
@@ -296,8 +387,13 @@ impl FromStr for Method {
                 };
                 return known.map(Method::Taylor).ok_or_else(message);
             }
-            Some((of @ "tangent-lift", s)) => return fraction(of, s).map(|(n, d)| Method::TangentLift(n, d)),
-            _ => {}
+            Some((of, s)) => {
+                let method = GENERATED.iter().find(|method| method.word == of);
+                if let Some(Rules::Share(rule)) = method.map(|method| &method.rules) {
+                    return fraction(of, s).map(|(n, d)| Method::Step(rule(n, d)));
+                }
+            }
+            None => {}
         }
         Self::named().find(|method| method.words().0 == name).ok_or_else(|| {
             let names: Vec<&str> = Self::named().map(|method| method.words().0).collect();
@@ -330,10 +426,13 @@ fn possible() -> Vec<PossibleValue> {
         let (name, about) = method.words();
         PossibleValue::new(name).help(about.into_owned())
     };
+    let with_numbers = GENERATED.iter().filter(|method| matches!(method.rules, Rules::Share(_)));
+    let with_numbers = with_numbers
+        .map(|method| PossibleValue::new(format!("{}=N/D", method.word)).help(method.about.to_owned()));
     let mut values: Vec<PossibleValue> = Method::named().map(listed).collect();
-    // beside the first ones of their kinds
-    values.insert(Method::COMMON.len() + 4, listed(Method::TangentLift(1, 2)));
-    values.insert(Method::COMMON.len(), listed(Method::Family(1, 4)));
+    // beside other steps of ours
+    let at = values.len() - Classical::ALL.len();
+    values.splice(at..at, with_numbers);
     values
 }
 

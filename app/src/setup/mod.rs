@@ -37,25 +37,41 @@ pub use crate::catalogue::Setup;
 use crate::error::SetupError;
 use crate::units::exact;
 
-/// The map from the Lie algebra to the group that a step is built on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Retraction {
-    /// The exponential map: the most accurate step of a given size.
-    #[value(alias = "exp")]
-    Exponential,
-    /// The Cayley map: rational, and defined for every angle.
-    #[value(alias = "cay")]
-    Cayley,
-    /// Canonical coordinates of the second kind: turns about the axes, one after the other. Not odd, to compare with;
-    /// there for some systems.
-    #[value(alias = "ccsk")]
-    SecondKind,
+/// Lists the retractions of the generator's table.
+macro_rules! retractions {
+    ($($(#[$_doc:meta])* $name:ident {
+        is_matrix_function: $_is_matrix_function:literal,
+        spoken: $_spoken:literal,
+        word: $word:tt,
+        short: $short:tt,
+        about: $about:tt
+    })*) => {
+        /// The map from the Lie algebra to the group that a step is built on.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+        #[serde(rename_all = "kebab-case")]
+        pub enum Retraction {
+            $(#[doc = $about] #[value(alias = $short)] $name,)*
+        }
+
+        impl Retraction {
+            /// All of them.
+            pub const ALL: [Retraction; [$($word),*].len()] = [$(Retraction::$name),*];
+
+            /// Its name on the command line and in file names.
+            pub fn name(self) -> &'static str {
+                match self { $(Retraction::$name => $word,)* }
+            }
+
+            /// The library's value.
+            pub(crate) fn map(self) -> RetractionKind {
+                match self { $(Retraction::$name => RetractionKind::$name,)* }
+            }
+        }
+    };
 }
+coadjoint_macros::retractions!(retractions);
 
 impl Retraction {
-    /// All of them.
-    pub const ALL: [Retraction; 3] = [Retraction::Exponential, Retraction::Cayley, Retraction::SecondKind];
     /// The ones with which most systems have steps.
     pub const COMMON: [Retraction; 2] = [Retraction::Exponential, Retraction::Cayley];
 
@@ -73,23 +89,6 @@ impl Retraction {
     pub(crate) fn or_first_of(self, entry: &Entry) -> Self {
         let known = Self::of(entry);
         if known.contains(&self) { self } else { known.first().copied().unwrap_or(self) }
-    }
-
-    /// Its name on the command line and in file names.
-    pub fn name(self) -> &'static str {
-        match self {
-            Retraction::Exponential => "exponential",
-            Retraction::Cayley => "cayley",
-            Retraction::SecondKind => "second-kind",
-        }
-    }
-
-    pub(crate) fn map(self) -> RetractionKind {
-        match self {
-            Retraction::Exponential => RetractionKind::Exponential,
-            Retraction::Cayley => RetractionKind::Cayley,
-            Retraction::SecondKind => RetractionKind::SecondKind,
-        }
     }
 }
 
@@ -211,12 +210,11 @@ impl Job {
                 erased::Adaptive::new(system, tolerance.value()).map_or(0, |steps| steps.order() as u32)
             }
             Method::RightLift => 2,
-            Method::HamiltonJacobi => self.order.number(),
             method if method.is_symmetric() => self.order.number(),
-            Method::TangentLift(..) => 1,
-            // of the family's other members it is 2 only where they are all symmetric
-            _ if standard(entry, self.retraction) == Method::EulerA => 2,
-            _ => 1,
+            method => {
+                let scheme = method.base(self.retraction.map(), self.order);
+                scheme.map_or(1, |scheme| scheme.properties(&entry.description).order)
+            }
         }
     }
 
@@ -279,7 +277,7 @@ impl Format {
 pub fn standard(entry: &Entry, retraction: Retraction) -> Method {
     match Scheme::Standard(retraction.map()).resolved(entry.description.invariant) {
         Scheme::StormerVerlet(_) => Method::Verlet,
-        _ => Method::EulerA,
+        _ => Method::EULER_A,
     }
 }
 

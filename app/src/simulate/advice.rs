@@ -78,7 +78,7 @@ pub(crate) fn beyond_series(
     job: &Job,
     states: &[(f64, Vec<f64>)],
 ) -> Option<String> {
-    if job.method != Method::HamiltonJacobi {
+    if !job.method.is_of_order() {
         return None;
     }
     let (system, law) = (entry.system(&setup.parameters), entry.law(setup));

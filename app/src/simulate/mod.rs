@@ -18,7 +18,6 @@ use coadjoint::RunReport;
 use coadjoint::composition::{KahanLi6, KahanLi8, SofroniouSpaletta10, Suzuki4};
 use coadjoint::erased::{self, StepperError};
 use coadjoint::observe::Observer;
-use coadjoint::scheme::Rule;
 use coadjoint::system::{Quantity, Role};
 use coadjoint::{Crossing, Run, Scheme, Tick};
 use serde::{Deserialize, Serialize};
@@ -58,22 +57,14 @@ pub type SampleObserver<'a> = dyn FnMut(&Sample<'_>) -> ControlFlow<()> + 'a;
 /// If an order above 2 is asked for of a method whose steps are not symmetric, or the method is no scheme.
 pub fn scheme(method: Method, retraction: Retraction, order: Order) -> Result<Scheme, SetupError> {
     let map = retraction.map();
-    let base = match method {
-        Method::Standard => Scheme::Standard(map),
-        Method::EulerA => Scheme::member(map, 0, 1),
-        Method::EulerB => Scheme::member(map, 1, 1),
-        Method::Midpoint => Scheme::member(map, 1, 2),
-        Method::Verlet => Scheme::StormerVerlet(map),
-        Method::Family(numerator, denominator) => Scheme::member(map, numerator, denominator),
-        Method::TangentLift(numerator, denominator) => {
-            Scheme::Step(map, Rule::TangentLift(numerator, denominator))
-        }
-        Method::HamiltonJacobi => {
-            check_order(method, order)?;
-            return Ok(Scheme::Step(map, Rule::HamiltonJacobi(order.number())));
-        }
-        Method::RightLift | Method::Taylor(_) | Method::Classical(_) => return Err(not_certified(method)),
+    let base = match method.base(map, order) {
+        Some(base) => base,
+        None if method.is_of_order() => return Err(without_order(method)),
+        None => return Err(not_certified(method)),
     };
+    if method.is_of_order() {
+        return Ok(base);
+    }
     check_order(method, order)?;
     Ok(match order {
         Order::Two => base,
@@ -88,20 +79,19 @@ pub fn scheme(method: Method, retraction: Retraction, order: Order) -> Result<Sc
 /// is composed of it.
 pub(crate) fn usual_method(entry: &Entry, retraction: Retraction, order: Order) -> Method {
     let system = entry.system(&entry.example.parameters);
-    let is_there = scheme(Method::HamiltonJacobi, retraction, order)
+    let is_there = scheme(Method::HAMILTON_JACOBI, retraction, order)
         .is_ok_and(|scheme| erased::Stepper::new(system, &scheme, entry.step).is_ok());
-    if is_there { Method::HamiltonJacobi } else { Method::Standard }
+    if is_there { Method::HAMILTON_JACOBI } else { Method::Standard }
+}
+
+fn without_order(method: Method) -> SetupError {
+    SetupError::new(format!("method {method} takes an order above 2: `--order 6`"))
 }
 
 /// Checks that steps of this order can be composed of the method's.
 fn check_order(method: Method, order: Order) -> Result<(), SetupError> {
-    if method == Method::HamiltonJacobi {
-        return match order {
-            Order::Two => {
-                Err(SetupError::new("method hamilton-jacobi takes an order above 2: `--order 6`".to_owned()))
-            }
-            _ => Ok(()),
-        };
+    if method.is_of_order() {
+        return if order == Order::Two { Err(without_order(method)) } else { Ok(()) };
     }
     if order == Order::Two || method.is_symmetric() {
         return Ok(());

@@ -14,7 +14,6 @@ mod product;
 mod representation;
 mod retraction;
 mod rigid;
-mod second_kind;
 mod semidirect;
 mod side;
 mod so2;
@@ -30,7 +29,7 @@ pub use matrix::{Basis, BasisError, LARGEST_BASIS, Linear, LinearError, MatrixGr
 pub(crate) use product::consecutive;
 pub use product::{Place, Product};
 pub use representation::{Adjoint, Dual, Representation, SpaceNames, Translation};
-pub(crate) use retraction::{Composite, Law};
+pub(crate) use retraction::Law;
 pub use retraction::{MatrixFunction, Retraction};
 pub use rigid::{Rigid, SE2, SE3};
 pub use semidirect::{Acted, Semidirect, SemidirectVector};

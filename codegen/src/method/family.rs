@@ -44,21 +44,66 @@ use super::step::Step;
 use crate::expr::{Arena, Vector, gradient, uncoupled};
 use crate::group::{Retraction, SemidirectVector};
 use crate::model::{Energy, Factor, Parts, System};
-use crate::scheme::{Member, Method};
+use crate::scheme::{Member, Method, Named};
 
 /// The family of steps.
 pub const METHOD: Method = Method {
     name: "Family",
-    rule: "Member",
+    word: "family",
+    about: "another member s of the family, from 0 to 1, where it was generated",
+    doc: DOC,
     orders: &[],
+    usual_order: None,
     named: &[
-        ("SymplecticEulerA", Member::SYMPLECTIC_EULER_A),
-        ("Midpoint", Member::MIDPOINT),
-        ("SymplecticEulerB", Member::SYMPLECTIC_EULER_B),
+        Named {
+            name: "SymplecticEulerA",
+            word: "euler-a",
+            about: "symplectic Euler, the paper's reduced step: order 2 where it is the standard, else 1",
+            member: Member::SYMPLECTIC_EULER_A,
+            doc: "The member `s = 0` of the [family](Family): for left-invariant systems the reduced step (6.5) of the paper.",
+        },
+        Named {
+            name: "Midpoint",
+            word: "midpoint",
+            about: "the implicit midpoint step on the group, order 2",
+            member: Member::MIDPOINT,
+            doc: "The member `s = ½` of the [family](Family), symmetric and of order 2 for every system.",
+        },
+        Named {
+            name: "SymplecticEulerB",
+            word: "euler-b",
+            about: "the adjoint of `euler-a`",
+            member: Member::SYMPLECTIC_EULER_B,
+            doc: "The member `s = 1` of the [family](Family), the adjoint of [`SymplecticEulerA`].",
+        },
     ],
     bare: Some(Member::SYMPLECTIC_EULER_A),
     needs_momentum: None,
+    is_symplectic: true,
+    is_one_map: true,
 };
+
+const DOC: &str = "\
+The member `s = N/D`, in lowest terms and from 0 to 1, of the family of one-step schemes with the retraction `R`.
+
+The step's equation is set up at the point `s` of the way from its start to its end: with the step `h`, solve for `η`
+
+```text
+g_s = g_k τ(−sη)⁻¹
+m   = Ad*_{τ(−sη)⁻¹} μ_k
+μ_s = (1−s) (dR τ_{(1−s)η})* m + s (dR τ_{−sη})* m
+η   = h ∂h/∂μ(μ_s)
+```
+
+and take `μ_{k+1} = Ad*_{τ((1−s)η)} m`, `g_{k+1} = g_s τ((1−s)η)`. A potential on the group, forces and explicit time act there
+too: at `g_s` and the time `t_k + s h`, with the share `1 − s` before and `s` after.
+
+- For left-invariant systems without forces, every member is a Poisson map and keeps the Casimirs, with any retraction. With
+  [`Exponential`] and [`Cayley`](coadjoint::Cayley) it is symmetric and of order 2.
+- With a potential on the group, every member is symplectic on `T*G`. Its adjoint, the inverse of the step `−h`, is the member
+  `1 − s`: only `s = ½` is symmetric and of order 2, the others are of order 1. So it is with a
+  retraction that is no function of one matrix, for left-invariant systems too.
+- With forces no member is symplectic, nor is the motion; orders and adjoints are as with a potential.";
 
 /// A member of the family for a system.
 struct Family<'s, 'a>(Discretization<'s, 'a>);

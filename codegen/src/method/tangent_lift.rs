@@ -25,17 +25,52 @@ use super::step::Step;
 use crate::expr::{Arena, Expr, Vector};
 use crate::group::Retraction;
 use crate::model::{Parts, Relation, System};
-use crate::scheme::{Member, Method};
+use crate::scheme::{Member, Method, Named};
 
 /// The family of tangent lifts.
 pub const METHOD: Method = Method {
     name: "TangentLift",
-    rule: "TangentLift",
+    word: "tangent-lift",
+    about: "the tangent lift with another s",
+    doc: DOC,
     orders: &[],
-    named: &[("TangentLift", Member::SYMPLECTIC_EULER_A), ("TangentMidpoint", Member::MIDPOINT)],
+    usual_order: None,
+    named: &[
+        Named {
+            name: "TangentLift",
+            word: "tangent-lift",
+            about: "the tangent lift, where it was generated: explicit, order 1, not symplectic",
+            member: Member::SYMPLECTIC_EULER_A,
+            doc: "",
+        },
+        Named {
+            name: "TangentMidpoint",
+            word: "tangent-midpoint",
+            about: "the tangent lift with s = 1/2, where it was generated: order 2, not symplectic",
+            member: Member::MIDPOINT,
+            doc: "The [tangent lift](TangentLift) with `s = ½`, symmetric and of order 2.",
+        },
+    ],
     bare: None,
     needs_momentum: Some("tangent lifts"),
+    is_symplectic: false,
+    is_one_map: false,
 };
+
+const DOC: &str = "\
+The tangent lift (5.7) of the discretization map with `s = N/D`, in lowest terms and from 0 to 1: a step of the Lagrangian side. With the
+velocity `ξ`, its change `ξ'` along the motion, and the velocity `η` at the intermediate point `ḡ = g_k τ(shη)`, solve for `η`
+
+```text
+ξ_k = η − s h dL τ_{−shη} ξ'(ḡ, η)
+```
+
+and take `ξ_{k+1} = η + (1−s) h dL τ_{(1−s)hη} ξ'(ḡ, η)`, `g_{k+1} = ḡ τ((1−s)hη)`. Velocities belong to momenta by the inertia, or by the
+Legendre transform of the Lagrangian or Hamiltonian.
+
+The member `s = 0` is explicit. The configuration stays on its group and advected parameters on their orbits. Of order 1, `s = ½` of order 2
+and symmetric; not symplectic, and no Poisson map: energy and momentum drift. To compare with, not to compute with. Asked for with
+`methods(TangentLift)`, `methods(TangentLift(1, 4))` or `methods(TangentMidpoint)`.";
 
 /// A tangent lift of a system.
 struct Lift<'s, 'a>(Discretization<'s, 'a>);

@@ -547,7 +547,7 @@ fn method(input: ParseStream<'_>, known: &[&'static Method]) -> syn::Result<Rule
         _ => {}
     }
     named.ok_or_else(|| {
-        let names: Vec<&str> = known.iter().flat_map(|method| method.named).map(|(name, _)| *name).collect();
+        let names: Vec<&str> = known.iter().flat_map(|method| method.named).map(|named| named.name).collect();
         let guess = suggestion(&text, &names);
         let message = match Retraction::ALL.into_iter().find(|retraction| name == retraction.name()) {
             Some(retraction) if retraction.is_default() => format!(
@@ -588,8 +588,10 @@ fn parameter(input: ParseStream<'_>, name: &Ident, method: &'static Method) -> s
                 .ok_or_else(|| content.error(""))
         };
         let orders = list(method.orders.iter().map(u32::to_string));
+        let usual = method.usual_order.unwrap_or(method.orders[0]);
         return read().map_err(|_| {
-            let message = format!("`{name}` takes the order of the step: `{name}(6)`; there are {orders}");
+            let message =
+                format!("`{name}` takes the order of the step: `{name}({usual})`; there are {orders}");
             syn::Error::new_spanned(name, message)
         });
     }

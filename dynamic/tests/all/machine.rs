@@ -102,7 +102,7 @@ fn bits(numbers: impl IntoIterator<Item = f64>) -> Vec<u64> {
 pub(crate) fn schemes(model: &Model) -> Vec<String> {
     let all = model.definition().steps.iter().flat_map(|step| &step.schemes);
     let spelt = all.map(|(map, rule)| match rule {
-        Rule::Member(n, d) => format!("Family<{map:?}, {n}, {d}>"),
+        Rule::Family(n, d) => format!("Family<{map:?}, {n}, {d}>"),
         Rule::TangentLift(n, d) => format!("TangentLift<{map:?}, {n}, {d}>"),
         Rule::HamiltonJacobi(order) => format!("HamiltonJacobi<{map:?}, {order}>"),
         other => panic!("{other:?} has no name here"),
@@ -152,7 +152,7 @@ fn halves_with_and_without_unknowns_are_the_interpreters() {
         struct Particle { mass: f64, charge: f64, field: f64, shape: f64, push: f64 }",
     )
     .unwrap();
-    let halves = [Rule::Member(0, 1), Rule::Member(1, 1)];
+    let halves = [Rule::Family(0, 1), Rule::Family(1, 1)];
     let unknowns = halves.map(|half| {
         let steps = &model.definition().steps;
         let step = steps.iter().find(|step| step.schemes.contains(&(RetractionKind::Exponential, half)));

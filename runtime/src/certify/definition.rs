@@ -7,6 +7,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::frame::{Degenerate, Frame, axis, series};
+use super::neighbourhood::is_defined;
 use crate::retraction::RetractionKind;
 use crate::scheme::Rule;
 use crate::schemes::Scheme;
@@ -47,11 +48,11 @@ impl<'a> ReferenceStep<'a> {
     /// Takes a step with a scheme; `false` if there is no definition to take it from.
     pub(super) fn step(&mut self, scheme: &Scheme, invariant: bool, step: f64) -> bool {
         scheme.parts(invariant, step).into_iter().all(|(map, rule, step)| match rule {
-            Rule::Member(numerator, denominator) => {
+            Rule::Family(numerator, denominator) if is_defined(map) => {
                 self.family(map, f64::from(numerator) / f64::from(denominator), step);
                 true
             }
-            Rule::TangentLift(..) | Rule::HamiltonJacobi(_) => false,
+            _ => false,
         })
     }
 
@@ -169,7 +170,6 @@ impl<'a> ReferenceStep<'a> {
         }
         match map {
             RetractionKind::Exponential => series(ad, m),
-            RetractionKind::SecondKind => Err(Degenerate),
             // `dR cay_X Y = (1 − X/2)⁻¹ Y (1 + X/2)⁻¹`: on the group as the displacements say, and with advected parameters, where
             // `X = (x, w)` and `Y = (y, u)`, inverted `((dR cay_x)⁻¹ y, (1 − ρ_x/2)(u + ½ ρ_y w))`
             RetractionKind::Cayley => {
@@ -188,6 +188,7 @@ impl<'a> ReferenceStep<'a> {
                 inverse.view_mut((n, n), (spaces, spaces)).copy_from(&damped);
                 inverse.transpose().lu().solve(m).ok_or(Degenerate)
             }
+            _ => Err(Degenerate),
         }
     }
 }

@@ -8,7 +8,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::CertifyError;
 use super::frame::{Degenerate, exponential, larger, relative, worst};
-use super::neighbourhood::{Basis, Carried, EvaluateKernel, Neighbourhood, Unknown, combined, function};
+use super::neighbourhood::{
+    Basis, Carried, EvaluateKernel, Neighbourhood, Unknown, combined, function, is_defined,
+};
 use super::report::{Bound, Certificate, Report};
 use crate::erased::array;
 use crate::retraction::RetractionKind;
@@ -87,7 +89,7 @@ where
     System::validate(system)?;
     let parameters = system.to_parameters();
     let kernel = |map, state: &[f64], unknown: &[f64]| {
-        let rule = Rule::Member(0, 1);
+        let rule = Rule::Family(0, 1);
         S::visit(map, rule, EvaluateKernel { parameters: parameters.as_ref(), state, unknown })
     };
     let state = state.to_components();
@@ -139,13 +141,9 @@ fn certificates(about: &Neighbourhood<'_>) -> Vec<Certificate> {
         ("spaces", DIFFERENCES, Neighbourhood::spaces),
         ("Casimirs", ROUNDING, Neighbourhood::casimirs),
     ];
-    let maps = [
-        (RetractionKind::Exponential, "exponential"),
-        (RetractionKind::Cayley, "Cayley"),
-        (RetractionKind::SecondKind, "second kind"),
-    ];
-    for (map, name) in maps {
+    for map in RetractionKind::ALL {
         if about.has(map) {
+            let name = map.spoken();
             certificates.extend(laws.iter().map(|(of, bound, measure)| {
                 let worst = worst(about.points.iter().map(|x| measure(about, map, x)));
                 law(&format!("{name}: {of}"), *bound, worst)
@@ -208,6 +206,9 @@ impl Neighbourhood<'_> {
             let next = self.value(map, &self.state, &unknown)?.next;
             let next = self.frame.with_linear_part(&next, &self.frame.linear_part(&there));
             errors.push(self.frame.distance(&next, &there));
+        }
+        if !is_defined(map) {
+            return Ok(errors.into_iter().reduce(larger));
         }
         if !map.is_matrix_function() {
             let along = |state: Vec<f64>, i: usize| {

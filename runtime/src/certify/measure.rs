@@ -12,7 +12,7 @@ use crate::erased::{At, Description, Geometry, Method, NotGenerated, check};
 use crate::error::{ParameterError, StepError};
 use crate::method::Clock;
 use crate::retraction::RetractionKind;
-use crate::scheme::Rule;
+use crate::scheme::Parameter;
 use crate::schemes::{ConservedCasimirs, Part, Properties, Scheme};
 use crate::stepper::check_step;
 
@@ -68,9 +68,9 @@ impl Claimed<'_> {
 
     /// The order of the series of Hamilton–Jacobi steps among those.
     fn series(&self, invariant: bool) -> Option<u32> {
-        self.parts(invariant).iter().find_map(|(_, rule, _)| match rule {
-            Rule::HamiltonJacobi(order) => Some(*order),
-            _ => None,
+        self.parts(invariant).iter().find_map(|(_, rule, _)| match rule.row().1 {
+            Parameter::Order(order) => Some(order),
+            Parameter::Share(..) => None,
         })
     }
 

@@ -343,12 +343,17 @@ pub(super) fn combined(basis: &[DMatrix<f64>], x: &DVector<f64>) -> DMatrix<f64>
     basis.iter().zip(x.iter()).fold(zero, |sum, (e, x)| sum + e * *x)
 }
 
+/// Tells whether certificates have a definition of a retraction, to hold it against.
+pub(super) const fn is_defined(map: RetractionKind) -> bool {
+    matches!(map, RetractionKind::Exponential | RetractionKind::Cayley | RetractionKind::SecondKind)
+}
+
 /// `exp X`, or `(1 − X/2)⁻¹(1 + X/2)`.
 pub(super) fn function(map: RetractionKind, x: &DMatrix<f64>) -> Result<DMatrix<f64>, Degenerate> {
     let one = DMatrix::identity(x.nrows(), x.nrows());
     match map {
         RetractionKind::Exponential => exponential(x),
         RetractionKind::Cayley => (&one - x * 0.5).lu().solve(&(&one + x * 0.5)).ok_or(Degenerate),
-        RetractionKind::SecondKind => Err(Degenerate),
+        _ => Err(Degenerate),
     }
 }

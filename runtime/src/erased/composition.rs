@@ -27,7 +27,7 @@ pub(crate) fn method(
     let mut generated = |map, rule, step| {
         system.method(map, rule, step).ok_or_else(|| {
             // with a retraction, this one is generated for every system
-            let has_map = system.method(map, Rule::Member(0, 1), step).is_some();
+            let has_map = system.method(map, Rule::Family(0, 1), step).is_some();
             let key = if has_map { "methods" } else { "retractions" };
             NotGenerated { scheme: scheme.to_string(), system: name, key }
         })
@@ -53,7 +53,7 @@ pub(super) fn composed<T: Batch, E>(
             if let Some(pair) = pair(map, step) {
                 return Ok(pair);
             }
-            let halves = [Rule::Member(0, 1), Rule::Member(1, 1)];
+            let halves = [Rule::Family(0, 1), Rule::Family(1, 1)];
             let part = |place: usize, step| generated(map, halves[place], step);
             Ok(Box::new(Composition { is_pair: true, ..Composition::new(&[0.5, 0.5], step, part)? }))
         }

@@ -316,7 +316,7 @@ impl Dynamics for dyn System {
 
 /// Whether a step is the system's standard one, or a part of it.
 const fn is_standard<S: system::System>(rule: Rule) -> bool {
-    matches!(rule, Rule::Member(0, 1)) || !S::INVARIANT && matches!(rule, Rule::Member(1, 1))
+    matches!(rule, Rule::Family(0, 1)) || !S::INVARIANT && matches!(rule, Rule::Family(1, 1))
 }
 
 /// Whether a step of one state is compiled for the widest registers too, so as to be taken together with others: where it is the standard one by

@@ -24,11 +24,9 @@ use crate::error::ParameterError;
 use crate::kernel::Kernel;
 use crate::legendre::LegendreError;
 use crate::method::{AdjointPair, Method};
-use crate::retraction::{Cayley, Exponential, RetractionKind, SecondKind};
+use crate::retraction::{self, RetractionKind};
 use crate::scalar::{Batch, Components, Real, Scalar};
-use crate::scheme::{
-    Base, Family, HamiltonJacobi, Rule, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift,
-};
+use crate::scheme::{self, Base, Rule, StormerVerlet, SymplecticEulerA, SymplecticEulerB};
 use crate::solve::step::OneStep;
 use adaptive::Adaptive;
 pub use description::Description;
@@ -226,7 +224,7 @@ pub trait System: Sized {
     /// Momentum: an element of the dual of the Lie algebra.
     type Momentum: Clone + PartialEq + fmt::Debug;
     /// The scheme of order 2 that a bare retraction `R` stands for: [`SymplecticEulerA<R>`] for left-invariant systems (the paper's
-    /// reduced step (6.5)), [`StormerVerlet<R>`] where a potential on the group or a force acts. For [`SecondKind`], which is not odd, it is
+    /// reduced step (6.5)), [`StormerVerlet<R>`] where a potential on the group or a force acts. For [`SecondKind`](coadjoint::SecondKind), which is not odd, it is
     /// [`StormerVerlet`] for every system.
     type Standard<R>;
 
@@ -360,7 +358,7 @@ pub trait System: Sized {
     }
 }
 
-/// A system with a step of the scheme `M`: a retraction ([`Exponential`], [`Cayley`] or [`SecondKind`]), a [scheme](crate::scheme) on one, or a
+/// A system with a step of the scheme `M`: a [retraction](RetractionKind), a [scheme] on one, or a
 /// [composition](crate::composition) of steps.
 #[diagnostic::on_unimplemented(
     message = "there is no step of the scheme `{M}` for `{Self}`",
@@ -400,7 +398,7 @@ impl<S: System, D> MethodOf<S> for D where
 }
 
 /// A system for which the macro has generated the straight-line code of a step of the scheme `M`, a member of the
-/// [family](Family).
+/// [family](coadjoint::Family).
 #[diagnostic::on_unimplemented(
     message = "there is no step of the scheme `{M}` for `{Self}`",
     note = "steps are generated with the retractions that `retractions(…)` names in the description, without it with `Exponential` and `Cayley`, on some groups of matrices with one of the two; a scheme other than the standard one is asked for with `methods(Midpoint, …)`",
@@ -449,14 +447,6 @@ pub trait Visitor<S: System> {
 }
 
 #[diagnostic::do_not_recommend]
-impl<S, R, const N: u32, const D: u32> Discretized<Family<R, N, D>> for S
-where
-    S: Generated<Family<R, N, D>>,
-{
-    type Method<T: Batch> = OneStep<T, S::Kernel<T>>;
-}
-
-#[diagnostic::do_not_recommend]
 impl<S, R> Discretized<StormerVerlet<R>> for S
 where
     S: Discretized<SymplecticEulerA<R>> + Discretized<SymplecticEulerB<R>>,
@@ -467,31 +457,39 @@ where
     >;
 }
 
-#[diagnostic::do_not_recommend]
-impl<S: Generated<TangentLift<R, N, D>>, R, const N: u32, const D: u32> Discretized<TangentLift<R, N, D>>
-    for S
-{
-    type Method<T: Batch> = OneStep<T, S::Kernel<T>>;
-}
-
-#[diagnostic::do_not_recommend]
-impl<S: Generated<HamiltonJacobi<R, P>>, R, const P: u32> Discretized<HamiltonJacobi<R, P>> for S {
-    type Method<T: Batch> = OneStep<T, S::Kernel<T>>;
-}
-
-/// The bare retractions.
-macro_rules! retraction {
-    ($($name:ident),*) => {
+/// Generated steps.
+macro_rules! methods {
+    (
+        share { $($(#[$_share_doc:meta])* $share:ident { $($_share:tt)* })* }
+        order { $($(#[$_order_doc:meta])* $order:ident { $($_order:tt)* })* }
+    ) => {
         $(#[diagnostic::do_not_recommend]
-        impl<S> Discretized<$name> for S
-        where
-            S: Retracted<$name> + Discretized<<S as Retracted<$name>>::Scheme>,
+        impl<S: Generated<scheme::$share<R, N, D>>, R, const N: u32, const D: u32> Discretized<scheme::$share<R, N, D>>
+            for S
         {
-            type Method<T: Batch> = <S as Discretized<<S as Retracted<$name>>::Scheme>>::Method<T>;
+            type Method<T: Batch> = OneStep<T, S::Kernel<T>>;
+        })*
+        $(#[diagnostic::do_not_recommend]
+        impl<S: Generated<scheme::$order<R, P>>, R, const P: u32> Discretized<scheme::$order<R, P>> for S {
+            type Method<T: Batch> = OneStep<T, S::Kernel<T>>;
         })*
     };
 }
-retraction!(Exponential, Cayley, SecondKind);
+coadjoint_macros::methods!(methods);
+
+/// The bare retractions.
+macro_rules! retractions {
+    ($($(#[$_doc:meta])* $name:ident { $($_row:tt)* })*) => {
+        $(#[diagnostic::do_not_recommend]
+        impl<S> Discretized<retraction::$name> for S
+        where
+            S: Retracted<retraction::$name> + Discretized<<S as Retracted<retraction::$name>>::Scheme>,
+        {
+            type Method<T: Batch> = <S as Discretized<<S as Retracted<retraction::$name>>::Scheme>>::Method<T>;
+        })*
+    };
+}
+coadjoint_macros::retractions!(retractions);
 
 /// A value stored in a struct's field, as `N` scalars: scalars, vectors, matrices (by rows), unit quaternions (`w, x, y, z`), unit
 /// complex numbers (`re, im`), isometries (the rotation's scalars, then the translation's).

@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 
+use coadjoint::scheme::Rule;
 use coadjoint::system::{Quantity, Role};
 use coadjoint_app::Entry;
 use coadjoint_app::record::ConservationReport;
@@ -68,7 +69,7 @@ fn examine(name: &str) {
     let retraction = cayley.unwrap_or(retractions[0]);
     for (method, order) in [
         (Method::Standard, Order::Two),
-        (Method::Midpoint, Order::Four),
+        (Method::MIDPOINT, Order::Four),
         (Method::Classical(Classical::Rk4), Order::Two),
         (Method::Classical(Classical::ImplicitMidpoint), Order::Two),
         (Method::Classical(Classical::Rkmk4), Order::Two),
@@ -159,9 +160,12 @@ fn comes_to_the_same(entry: &Entry, job: &Job) {
 fn compositions_need_symmetric_steps() {
     for entry in CATALOGUE.entries() {
         let setup = entry.example.clone();
-        for method in
-            [Method::EulerA, Method::EulerB, Method::TangentLift(0, 1), Method::Classical(Classical::Gauss4)]
-        {
+        for method in [
+            Method::EULER_A,
+            Method::EULER_B,
+            Method::Step(Rule::TangentLift(0, 1)),
+            Method::Classical(Classical::Gauss4),
+        ] {
             let job = Job {
                 method,
                 retraction: Retraction::Cayley,
@@ -242,22 +246,22 @@ fn schemes_have_the_names_that_the_command_line_takes() {
     assert_eq!(Retraction::from_str("exp", false), Ok(Retraction::Exponential));
     let lifts = [
         Method::RightLift,
-        Method::TangentLift(0, 1),
-        Method::TangentLift(1, 2),
-        Method::Family(1, 4),
-        Method::Family(2, 3),
+        Method::Step(Rule::TangentLift(0, 1)),
+        Method::Step(Rule::TangentLift(1, 2)),
+        Method::Step(Rule::Family(1, 4)),
+        Method::Step(Rule::Family(2, 3)),
     ];
     let classical = Classical::ALL.map(Method::Classical);
     for method in Method::COMMON.into_iter().chain(lifts).chain(classical) {
         assert_eq!(method.to_string().parse(), Ok(method));
         assert!(!method.stem().contains(['/', '=']), "{method}");
     }
-    for (name, method) in [("family=2/8", Method::Family(1, 4)), ("family=0", Method::EulerA)] {
+    for (name, method) in [("family=2/8", Method::Step(Rule::Family(1, 4))), ("family=0", Method::EULER_A)] {
         assert_eq!(name.parse(), Ok(method));
     }
     assert_eq!(
         ["family=2/4", "family=1", "family=3/3"].map(str::parse),
-        [Ok(Method::Midpoint), Ok(Method::EulerB), Ok(Method::EulerB)]
+        [Ok(Method::MIDPOINT), Ok(Method::EULER_B), Ok(Method::EULER_B)]
     );
     for name in [
         "family=5/4",

@@ -14,7 +14,7 @@ fn every_claim_holds(name: &str) {
     let entry = CATALOGUE.find(name).expect("it is there");
     let retractions = Retraction::of(entry);
     let (mut failures, mut reports, mut measured) = (String::new(), 0, 0);
-    let methods = [Method::Standard, Method::EulerA, Method::EulerB, Method::Midpoint];
+    let methods = [Method::Standard, Method::EULER_A, Method::EULER_B, Method::MIDPOINT];
     let methods: Vec<Method> = methods.into_iter().filter(|method| is_asked_for(entry, *method)).collect();
     for &method in &methods {
         for &retraction in &retractions {

@@ -7,6 +7,7 @@ use coadjoint::Scheme;
 use coadjoint::composition::{KahanLi8, SofroniouSpaletta10};
 use coadjoint::erased::{RetractionKind, Stepper};
 use coadjoint::prelude::*;
+use coadjoint::scheme::Rule;
 use coadjoint::system::Role;
 use coadjoint_app::Entry;
 use coadjoint_app::Example;
@@ -196,7 +197,7 @@ fn the_right_lift_takes_the_steps_of_symplectic_euler() {
         let setup = entry.example.clone();
         let run = (entry.step, 1_000);
         let (plain, lifted) =
-            (states(entry, &setup, Method::EulerA, run), states(entry, &setup, Method::RightLift, run));
+            (states(entry, &setup, Method::EULER_A, run), states(entry, &setup, Method::RightLift, run));
         assert_eq!(plain.len(), lifted.len());
         let size = distance(&setup.state, &vec![0.0; setup.state.len()]);
         let off = plain.iter().zip(&lifted).map(|(a, b)| distance(a, b)).fold(0.0, f64::max);
@@ -217,11 +218,11 @@ fn the_right_lift_takes_the_steps_of_symplectic_euler() {
 #[test]
 fn members_of_the_family_and_the_tangent_lift_have_their_orders() {
     for (name, method, order) in [
-        ("free_rigid_body", Method::Family(1, 4), 2.0),
-        ("free_rigid_body", Method::TangentLift(0, 1), 1.0),
-        ("free_rigid_body", Method::TangentLift(1, 2), 2.0),
-        ("harmonic_oscillator", Method::Family(1, 4), 1.0),
-        ("harmonic_oscillator", Method::TangentLift(0, 1), 1.0),
+        ("free_rigid_body", Method::Step(Rule::Family(1, 4)), 2.0),
+        ("free_rigid_body", Method::Step(Rule::TangentLift(0, 1)), 1.0),
+        ("free_rigid_body", Method::Step(Rule::TangentLift(1, 2)), 2.0),
+        ("harmonic_oscillator", Method::Step(Rule::Family(1, 4)), 1.0),
+        ("harmonic_oscillator", Method::Step(Rule::TangentLift(0, 1)), 1.0),
     ] {
         let entry = CATALOGUE.find(name).expect("it is there");
         let setup = entry.example.clone();
@@ -255,7 +256,7 @@ fn controls_that_are_set_take_the_place_of_the_law() {
     setup.controls[3] = Some(0.0);
     for (method, expected) in [
         (Method::Verlet, 1.0 - 9.81 / 2.0),
-        (Method::EulerA, 1.0 - 9.81 / 2.0 * 1.01),
+        (Method::EULER_A, 1.0 - 9.81 / 2.0 * 1.01),
         (Method::Classical(Classical::Rk4), 1.0 - 9.81 / 2.0),
     ] {
         let height = height(&fallen(&setup, method));

@@ -37,7 +37,7 @@ fn same(name: &str) -> Same {
 
 fn spelt(map: RetractionKind, rule: Rule) -> String {
     match rule {
-        Rule::Member(n, d) => format!("Family<{map:?}, {n}, {d}>"),
+        Rule::Family(n, d) => format!("Family<{map:?}, {n}, {d}>"),
         Rule::TangentLift(n, d) => format!("TangentLift<{map:?}, {n}, {d}>"),
         Rule::HamiltonJacobi(order) => format!("HamiltonJacobi<{map:?}, {order}>"),
         other => panic!("{other:?} has no name here"),

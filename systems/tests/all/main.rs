@@ -55,7 +55,7 @@ macro_rules! entries {
 
 /// Whether a system's text asks for a method: the midpoint costs as much to compile as all others of a large group.
 fn is_asked_for(entry: &coadjoint_app::Entry, method: coadjoint_app::setup::Method) -> bool {
-    method != coadjoint_app::setup::Method::Midpoint || entry.source.contains("methods(Midpoint")
+    method != coadjoint_app::setup::Method::MIDPOINT || entry.source.contains("methods(Midpoint")
 }
 
 mod applications;

@@ -69,10 +69,10 @@ impl<F: Fault> LinearizedSchemes for Faulty<Drop, F> {}
 impl<F: Fault> Schemes for Faulty<Drop, F> {
     fn visit<V: Visitor<Self>>(map: RetractionKind, rule: Rule, visitor: V) -> Option<V::Output> {
         match (map, rule) {
-            (RetractionKind::Exponential, Rule::Member(0, 1)) => {
+            (RetractionKind::Exponential, Rule::Family(0, 1)) => {
                 Some(visitor.visit::<SymplecticEulerA<Exponential>>())
             }
-            (RetractionKind::Cayley, Rule::Member(0, 1)) => Some(visitor.visit::<SymplecticEulerA<Cayley>>()),
+            (RetractionKind::Cayley, Rule::Family(0, 1)) => Some(visitor.visit::<SymplecticEulerA<Cayley>>()),
             _ => None,
         }
     }
@@ -148,7 +148,7 @@ impl<F: Fault> LinearizedSchemes for Faulty<Turning, F> {}
 
 impl<F: Fault> Schemes for Faulty<Turning, F> {
     fn visit<V: Visitor<Self>>(map: RetractionKind, rule: Rule, visitor: V) -> Option<V::Output> {
-        let is_there = (map, rule) == (RetractionKind::SecondKind, Rule::Member(0, 1));
+        let is_there = (map, rule) == (RetractionKind::SecondKind, Rule::Family(0, 1));
         is_there.then(|| visitor.visit::<SymplecticEulerA<SecondKind>>())
     }
 }

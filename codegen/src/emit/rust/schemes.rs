@@ -54,7 +54,7 @@ pub(super) fn schemes(names: &Names, steps: &[StepProgram]) -> TokenStream {
     let patterns = |step: &StepProgram| {
         let patterns = named(step).into_iter().map(|scheme| {
             let Scheme { retraction, rule } = scheme;
-            let [map, named] = [retraction.name(), rule.method.rule].map(|name| format_ident!("{name}"));
+            let [map, named] = [retraction.name(), rule.method.name].map(|name| format_ident!("{name}"));
             let s = parameter(rule.parameter);
             quote! { (#private::RetractionKind::#map, #private::Rule::#named(#s)) }
         });

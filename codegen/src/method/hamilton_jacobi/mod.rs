@@ -50,12 +50,37 @@ use crate::scheme::{Member, Method};
 /// Hamilton–Jacobi steps.
 pub const METHOD: Method = Method {
     name: "HamiltonJacobi",
-    rule: "HamiltonJacobi",
+    word: "hamilton-jacobi",
+    about: "order 4 to 10 from one equation, where it was generated",
+    doc: DOC,
     orders: &[4, 6, 8, 10],
+    usual_order: Some(6),
     named: &[],
     bare: None,
     needs_momentum: None,
+    is_symplectic: true,
+    is_one_map: false,
 };
+
+const DOC: &str = "\
+A step of the even order `P`, from 4 to 10, from one equation: symplectic, for left-invariant systems a Poisson map that keeps the Casimirs,
+and symmetric, as [`Midpoint`] is. Asked for with `methods(HamiltonJacobi(6))`.
+
+Where the midpoint step solves `∂l/∂ξ(ḡ, η/h) = m̄` with the Lagrangian `l`, the action over a step in the lowest order, this solves the same
+with the action up to order `P`, a power series in the step that the macro derives: with the unknown `η`, `ḡ = g_k τ(η/2)`,
+
+```text
+m⁻ = Ad*_{τ(−η/2)⁻¹} μ_k,   m⁺ = m⁻ + ∂R/∂g
+∂R/∂η = ½ (dR τ_{η/2})* m⁺ + ½ (dL τ_{−η/2})* μ_k
+μ_{k+1} = Ad*_{τ(η/2)} m⁺,   g_{k+1} = ḡ τ(η/2)
+```
+
+where `R(ḡ, η, h)` is the action of the motion from `ḡ τ(−η/2)` to `ḡ τ(η/2)` in the time `h`: Hamilton's principal function, which solves the
+Hamilton–Jacobi equation. There has to be a momentum for each velocity in closed form, as there is for every inertia, Lagrangian, and
+Hamiltonian that is quadratic in the momentum. With forces the step is not symplectic, nor is the motion; order and symmetry stay. Controls
+are held over a step; what changes within it belongs into the description, as a function of `t`.
+
+Ge and Marsden, Phys. Lett. A 133 (1988) 134.";
 
 /// The order of the step that Newton's matrix is taken from where it has a few rows, and not many more operations than the
 /// equation: terms of higher order change it by little. Another one is that of the midpoint step, and iterations have one

@@ -207,7 +207,7 @@ impl DynamicSystem {
         let mut generated = |map, rule, step| match self.step(map, rule) {
             Some(of) => Ok(method(of, parameters, step)),
             None => {
-                let has_map = self.step(map, Rule::Member(0, 1)).is_some();
+                let has_map = self.step(map, Rule::Family(0, 1)).is_some();
                 let key = if has_map { "methods" } else { "retractions" };
                 Err(NotGenerated { scheme: scheme.to_string(), system: name, key }.into())
             }
@@ -231,7 +231,7 @@ impl DynamicSystem {
         parameters: &[T],
         step: T,
     ) -> Option<Box<dyn Method<T>>> {
-        let (first, second) = (Rule::Member(0, 1), (map, Rule::Member(1, 1)));
+        let (first, second) = (Rule::Family(0, 1), (map, Rule::Family(1, 1)));
         let steps = &self.definition.steps;
         let place = steps.iter().position(|step| step.schemes.contains(&second))?;
         pair(self.step(map, first)?, (&steps[place], place), parameters, step)

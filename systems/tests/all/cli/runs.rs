@@ -26,7 +26,7 @@ fn list_names_systems_parameters_and_defaults() {
             "free_rigid_body",
             &[
                 "methods      standard, euler-a, euler-b, midpoint, verlet, tangent-lift,",
-                "             tangent-lift=1/2, family=1/4, right-lift",
+                "             tangent-midpoint, family=1/4, right-lift",
             ],
         ),
         ("harmonic_oscillator", &["verlet, tangent-lift,", "family=1/4"]),

@@ -18,13 +18,13 @@ const MOST: f64 = 8.0;
 const LONGEST: f64 = 0.5;
 /// The steps that the generator knows.
 pub(crate) const RULES: [Rule; 9] = [
-    Rule::Member(0, 1),
-    Rule::Member(1, 1),
-    Rule::Member(1, 2),
-    Rule::Member(1, 3),
-    Rule::Member(2, 3),
-    Rule::Member(1, 4),
-    Rule::Member(3, 4),
+    Rule::Family(0, 1),
+    Rule::Family(1, 1),
+    Rule::Family(1, 2),
+    Rule::Family(1, 3),
+    Rule::Family(2, 3),
+    Rule::Family(1, 4),
+    Rule::Family(3, 4),
     Rule::TangentLift(0, 1),
     Rule::TangentLift(1, 2),
 ];

@@ -53,8 +53,8 @@ impl Oscillator {
             orbits: [
                 classical(Tableau::explicit_euler(), EXPLICIT_EULER)?,
                 classical(Tableau::implicit_euler(), IMPLICIT_EULER)?,
-                ours(Method::EulerA, EULER_A)?,
-                ours(Method::EulerB, EULER_B)?,
+                ours(Method::EULER_A, EULER_A)?,
+                ours(Method::EULER_B, EULER_B)?,
             ],
         })
     }

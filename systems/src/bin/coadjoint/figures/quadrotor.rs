@@ -69,8 +69,8 @@ impl Hover {
             flights: [
                 fly(FLIGHTS[0], Method::Verlet, Retraction::Exponential)?,
                 fly(FLIGHTS[1], Method::Verlet, Retraction::Cayley)?,
-                fly(FLIGHTS[2], Method::EulerA, Retraction::Exponential)?,
-                fly(FLIGHTS[3], Method::EulerA, Retraction::Cayley)?,
+                fly(FLIGHTS[2], Method::EULER_A, Retraction::Exponential)?,
+                fly(FLIGHTS[3], Method::EULER_A, Retraction::Cayley)?,
             ],
             steps,
         })

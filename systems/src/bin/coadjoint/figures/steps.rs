@@ -65,7 +65,11 @@ impl Steps {
                     ours((setup::Method::Standard, Retraction::Cayley, Order::Four), step, duration)
                 }),
                 method(HAMILTON_JACOBI, |step| {
-                    ours((setup::Method::HamiltonJacobi, Retraction::Exponential, Order::Six), step, duration)
+                    ours(
+                        (setup::Method::HAMILTON_JACOBI, Retraction::Exponential, Order::Six),
+                        step,
+                        duration,
+                    )
                 }),
                 method(RK4, |step| classical(&Rk4Quaternion, step, duration)),
                 method(RKMK4, |step| classical(&Rkmk4, step, duration)),

@@ -126,7 +126,7 @@ const OURS: [(&str, Scheme); 7] = [
     (ORDER_6, (setup::Method::Standard, Retraction::Cayley, Order::Six)),
     (ORDER_8, (setup::Method::Standard, Retraction::Cayley, Order::Eight)),
     (ORDER_10, (setup::Method::Standard, Retraction::Cayley, Order::Ten)),
-    (HAMILTON_JACOBI, (setup::Method::HamiltonJacobi, Retraction::Exponential, Order::Six)),
+    (HAMILTON_JACOBI, (setup::Method::HAMILTON_JACOBI, Retraction::Exponential, Order::Six)),
 ];
 
 impl Work {

@@ -1,11 +1,13 @@
 //! The maps from the algebra to the group that steps are made with.
 //!
-//! A retraction is a file and its row in [`Retraction::row`]: parsing, messages, displacements and schemes follow from
-//! the row.
+//! A retraction is a file and its row in [`Retraction::row`]: parsing, messages, displacements, schemes, and the types of
+//! the libraries follow from the row.
 
-use super::second_kind::{ASCENDING, DESCENDING};
+mod second_kind;
+
 use super::{Group, Representation, Translation};
 use crate::expr::{Expr, Vector};
+use second_kind::{ASCENDING, DESCENDING};
 
 /// A map `τ: g → G` with `τ(0) = e`, `τ'(0) = id`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -76,6 +78,14 @@ pub(crate) struct Row {
     name: &'static str,
     /// Its name among those of functions: `second_kind`.
     pub(crate) snake_name: &'static str,
+    /// Its name in sentences.
+    pub(crate) spoken: &'static str,
+    /// Its short name on command lines.
+    pub(crate) short: &'static str,
+    /// Describes it for people who choose one.
+    pub(crate) about: &'static str,
+    /// The documentation of its type.
+    pub(crate) doc: &'static str,
     pub(crate) law: Law,
     reversed: Retraction,
     /// Whether steps are generated with it unless others are asked for.
@@ -94,6 +104,12 @@ impl Retraction {
             Self::Exponential => Row {
                 name: "Exponential",
                 snake_name: "exponential",
+                spoken: "exponential",
+                short: "exp",
+                about: "The exponential map: the most accurate step of a given size",
+                doc: "The group's exponential map.\n\n\
+                      On SO(3) it needs angles per step below 2π. At equal step it is far more accurate than [`Cayley`]\n\
+                      (it follows steady rotations exactly), for some more arithmetic per step: the better default.",
                 law: Law::Function(MatrixFunction::Exponential),
                 reversed: Self::Exponential,
                 is_default: true,
@@ -102,6 +118,10 @@ impl Retraction {
             Self::Cayley => Row {
                 name: "Cayley",
                 snake_name: "cayley",
+                spoken: "Cayley",
+                short: "cay",
+                about: "The Cayley map: rational, and defined for every angle",
+                doc: "The Cayley map `(1 − ξ/2)⁻¹(1 + ξ/2)`: rational, no transcendental function, defined for every argument.",
                 law: Law::Function(MatrixFunction::Cayley),
                 reversed: Self::Cayley,
                 is_default: true,
@@ -110,6 +130,11 @@ impl Retraction {
             Self::SecondKind => Row {
                 name: "SecondKind",
                 snake_name: "second_kind",
+                spoken: "second kind",
+                short: "ccsk",
+                about: "Canonical coordinates of the second kind: turns about the axes, one after the other. Not odd, to \
+                        compare with; there for some systems",
+                doc: second_kind::DOC,
                 law: Law::Composite(&ASCENDING),
                 reversed: Self::ReversedSecondKind,
                 is_default: false,
@@ -118,10 +143,10 @@ impl Retraction {
             Self::ReversedSecondKind => Row {
                 name: "ReversedSecondKind",
                 snake_name: "reversed_second_kind",
+                spoken: "reversed second kind",
                 law: Law::Composite(&DESCENDING),
                 reversed: Self::SecondKind,
-                is_default: false,
-                absence: UNKNOWN,
+                ..Self::SecondKind.row()
             },
             Self::Coarse => Row {
                 law: Law::Function(MatrixFunction::Coarse),

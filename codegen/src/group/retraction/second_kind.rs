@@ -12,8 +12,19 @@
 //! before them. For SE(2) and SE(3), which are such products, these are the coordinates of the second kind along all of
 //! their axes.
 
-use super::{Composite, Group, MatrixFunction, Representation, Translation};
+use super::Composite;
 use crate::expr::{Expr, Number, Vector};
+use crate::group::{Group, MatrixFunction, Representation, Translation};
+
+/// The documentation of its type.
+pub(super) const DOC: &str = "\
+Canonical coordinates of the second kind, `τ(ξ) = exp(ξ₁E₁) exp(ξ₂E₂) ⋯`: turns and shifts along the axes of the algebra, one after the
+other. (B. Owren and A. Marthinsen, *Integration methods based on canonical coordinates of the second kind*, 2001.)
+
+Neither odd nor `Ad`-equivariant. Steps with it are Poisson maps that keep the Casimirs, and the adjoint of the member `s` of the
+[family](coadjoint::Family) is `1 − s`, as with any retraction; but only `s = ½` is symmetric and of order 2, on left-invariant systems
+too. The bare retraction is therefore [`StormerVerlet`](coadjoint::StormerVerlet) for every system. On SO(3) the second turn must be
+less than a quarter. To compare with: generated where a description asks for it by `retractions(SecondKind)`.";
 
 /// The product in one order of the axes.
 pub(super) struct SecondKind {
