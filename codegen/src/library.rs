@@ -11,17 +11,18 @@ use crate::scheme::{Method, Named};
 /// Calls a macro with the retractions, each with what is known of it.
 ///
 /// ```text
-/// callback! { #[doc = "…"] Cayley { is_matrix_function: true, spoken: "Cayley", word: "cayley", short: "cay", about: "…" } … }
+/// callback! { #[doc = "…"] Cayley { is_odd: true, is_matrix_function: true, spoken: "Cayley", word: "cayley", short: "cay", about: "…" } … }
 /// ```
 pub fn retractions(callback: TokenStream) -> TokenStream {
     let rows = Retraction::ALL.into_iter().map(|retraction| {
         let (row, name) = (retraction.row(), format_ident!("{}", retraction.name()));
         let (doc, spoken, short, about) = (row.doc, row.spoken, row.short, row.about);
         let word = row.snake_name.replace('_', "-");
-        let is_matrix_function = retraction.is_equivariant();
+        let (is_odd, is_matrix_function) = (retraction.is_odd(), retraction.is_equivariant());
         quote! {
             #[doc = #doc]
             #name {
+                is_odd: #is_odd,
                 is_matrix_function: #is_matrix_function,
                 spoken: #spoken,
                 word: #word,

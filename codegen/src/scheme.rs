@@ -28,8 +28,8 @@ pub struct Method {
     pub needs_momentum: Option<&'static str>,
     /// Whether its steps are symplectic, for left-invariant systems Poisson maps that keep all Casimirs, where no force acts.
     pub is_symplectic: bool,
-    /// Whether all of its members are one map, for left-invariant systems without forces and potentials on the group, if
-    /// the retraction is a function of one matrix.
+    /// Whether its members `s` and `1 − s` are one map, for left-invariant systems without forces and potentials on the
+    /// group, if the retraction is a function of one matrix; of the ends, if it is odd.
     pub is_one_map: bool,
 }
 

@@ -4,6 +4,7 @@ use pyo3::prelude::*;
 
 macro_rules! retractions {
     ($($(#[$_doc:meta])* $name:ident {
+        is_odd: $_is_odd:literal,
         is_matrix_function: $_is_matrix_function:literal,
         spoken: $_spoken:literal,
         word: $word:literal,

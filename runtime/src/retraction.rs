@@ -12,14 +12,51 @@ pub trait Retraction {
     const MAP: RetractionKind;
 }
 
-/// Makes the types of a table of retractions.
+/// A retraction, as the table has it.
+struct Row {
+    name: &'static str,
+    #[cfg(feature = "std")]
+    spoken: &'static str,
+    is_odd: bool,
+    is_matrix_function: bool,
+}
+
+impl RetractionKind {
+    /// All of them.
+    pub const ALL: [Self; EVERY.len()] = EVERY;
+
+    /// Its name, that of its type.
+    pub const fn name(self) -> &'static str {
+        self.row().name
+    }
+
+    /// Its name in sentences.
+    #[cfg(feature = "std")]
+    pub(crate) const fn spoken(self) -> &'static str {
+        self.row().spoken
+    }
+
+    /// Whether `τ(−ξ) = τ(ξ)⁻¹`.
+    pub const fn is_odd(self) -> bool {
+        self.row().is_odd
+    }
+
+    /// Whether it is a function of one matrix: then it is odd, `τ(−ξ) = τ(ξ)⁻¹`, and `Ad`-equivariant, `τ(Ad_g ξ) = g τ(ξ) g⁻¹`. Other
+    /// maps are not equivariant, but on commutative groups.
+    pub const fn is_matrix_function(self) -> bool {
+        self.row().is_matrix_function
+    }
+}
+
+/// Makes the types of the table.
 macro_rules! retractions {
     ($($(#[doc = $doc:tt])* $name:ident {
+        is_odd: $is_odd:literal,
         is_matrix_function: $is_matrix_function:literal,
         spoken: $spoken:literal,
         word: $word:literal,
-        short: $short:literal,
-        about: $about:literal
+        short: $_short:literal,
+        about: $_about:literal
     })*) => {
         /// A retraction as a value.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,25 +64,19 @@ macro_rules! retractions {
             $(#[doc = concat!("[`", stringify!($name), "`](", stringify!($name), ")")] $name,)*
         }
 
+        const EVERY: [RetractionKind; [$($word),*].len()] = [$(RetractionKind::$name),*];
+
         impl RetractionKind {
-            /// All of them.
-            pub const ALL: [RetractionKind; [$($word),*].len()] = [$(RetractionKind::$name),*];
-
-            /// Whether it is a function of one matrix: then it is odd, `τ(−ξ) = τ(ξ)⁻¹`, and `Ad`-equivariant, `τ(Ad_g ξ) = g τ(ξ) g⁻¹`. Other
-            /// maps are neither, but on commutative groups.
-            pub const fn is_matrix_function(self) -> bool {
-                match self { $(Self::$name => $is_matrix_function,)* }
-            }
-
-            /// Its name, that of its type.
-            pub const fn name(self) -> &'static str {
-                match self { $(Self::$name => stringify!($name),)* }
-            }
-
-            /// Its name in sentences.
-            #[cfg(feature = "std")]
-            pub(crate) const fn spoken(self) -> &'static str {
-                match self { $(Self::$name => $spoken,)* }
+            const fn row(self) -> &'static Row {
+                match self {
+                    $(Self::$name => &Row {
+                        name: stringify!($name),
+                        #[cfg(feature = "std")]
+                        spoken: $spoken,
+                        is_odd: $is_odd,
+                        is_matrix_function: $is_matrix_function,
+                    },)*
+                }
             }
         }
 

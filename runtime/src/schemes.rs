@@ -118,7 +118,7 @@ impl Scheme {
     /// Replaces bare retractions by what they stand for, for systems that are [invariant](crate::System::INVARIANT) or not.
     pub fn resolved(&self, invariant: bool) -> Self {
         match self {
-            Self::Standard(map) if invariant && map.is_matrix_function() => Self::member(*map, 0, 1),
+            Self::Standard(map) if invariant && map.is_odd() => Self::member(*map, 0, 1),
             Self::Standard(map) => Self::StormerVerlet(*map),
             Self::Composed(set, base) => Self::Composed(*set, Box::new(base.resolved(invariant))),
             Self::RightLift(base) => Self::RightLift(Box::new(base.resolved(invariant))),
@@ -149,9 +149,12 @@ impl Scheme {
                 let (order, symmetric) = match parameter {
                     Parameter::Share(numerator, denominator) => {
                         // its adjoint is `1 − s` with any retraction; that `s` and `1 − s` are one map, where momentum and advected parameters
-                        // alone have a part in the motion, follows from the retraction's being a function of one matrix
+                        // alone have a part in the motion, follows from the retraction's being a function of one matrix, for the ends
+                        // from its being odd
                         let is_middle = 2 * u64::from(numerator) == u64::from(denominator);
-                        let is_one_map = row.is_one_map && system.invariant && map.is_matrix_function();
+                        let is_end = numerator == 0 || numerator == denominator;
+                        let is_own = map.is_matrix_function() || is_end && map.is_odd();
+                        let is_one_map = row.is_one_map && system.invariant && is_own;
                         let symmetric = is_middle || is_one_map;
                         (if symmetric { 2 } else { 1 }, symmetric)
                     }

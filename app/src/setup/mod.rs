@@ -40,6 +40,7 @@ use crate::units::exact;
 /// Lists the retractions of the generator's table.
 macro_rules! retractions {
     ($($(#[$_doc:meta])* $name:ident {
+        is_odd: $_is_odd:literal,
         is_matrix_function: $_is_matrix_function:literal,
         spoken: $_spoken:literal,
         word: $word:tt,

@@ -1,12 +1,15 @@
 //! What users of the crate `coadjoint` can name, line by line: whatever changes it has to change a snapshot too.
 //!
-//! Sources are read, not compiled: the items of public modules, what is exported again, members, and the traits that types implement. Left out are tests and what `#[doc(hidden)]` hides; what a macro defines is shown as the macro's call.
+//! Sources are read, not compiled: the items of public modules, what is exported again, members, and the traits that types implement. Left out are tests and what `#[doc(hidden)]` hides; what a macro defines is shown as the macro's call. Of
+//! retractions and methods the names are the generator's.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use coadjoint_codegen::group::Retraction;
+use coadjoint_codegen::method;
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
-use quote::ToTokens;
+use quote::{ToTokens, format_ident, quote};
 use syn::{ImplItem, Item, TraitItem, Type, UseTree, Visibility};
 
 #[test]
@@ -75,6 +78,31 @@ fn shown(tokens: &impl ToTokens) -> Option<String> {
     Some(text)
 }
 
+/// What is made of the generator's tables, by name alone: values, and the types that stand for them.
+fn generated(call: &syn::ItemMacro) -> Option<Vec<Item>> {
+    let (values, variants, types) = match call.mac.path.segments.last()?.ident.to_string().as_str() {
+        "retractions" => {
+            let names = Retraction::ALL.map(Retraction::name).to_vec();
+            ("RetractionKind", names.clone(), names)
+        }
+        "methods" => {
+            let names: Vec<&str> = method::known().iter().map(|method| method.name).collect();
+            let members = method::known().into_iter().flat_map(|method| method.named.iter());
+            let types = names.iter().copied().chain(members.map(|named| named.name));
+            ("Rule", names.clone(), types.collect::<BTreeSet<_>>().into_iter().collect())
+        }
+        _ => return None,
+    };
+    let values = format_ident!("{values}");
+    let [variants, types] = [variants, types]
+        .map(|names| names.into_iter().map(|name| format_ident!("{name}")).collect::<Vec<_>>());
+    let items = quote! {
+        pub enum #values { #(#variants),* }
+        mod markers { #(pub struct #types;)* }
+    };
+    Some(syn::parse2::<syn::File>(items).expect("Rust").items)
+}
+
 /// The module that a path within another one leads to.
 fn resolved(path: &[String], module: &str) -> String {
     path.iter().fold(module.to_owned(), |home, step| match step.as_str() {
@@ -112,6 +140,13 @@ impl Surface {
     fn insert(&mut self, mut items: Vec<Item>, directory: &Path, path: &str) {
         let is_test = |text: String| text.contains("#[cfg(test") || text.contains("#[cfg(all(test");
         items.retain(|item| !shown(item).is_some_and(is_test));
+        let is_made = |item: &mut Item| matches!(item, Item::Macro(call) if generated(call).is_some());
+        let has_types = ["crate::retraction", "crate::scheme"].contains(&path);
+        let calls = items.extract_if(.., |item| has_types && is_made(item));
+        let made =
+            calls.filter_map(|item| if let Item::Macro(call) = item { generated(&call) } else { None });
+        let made: Vec<Item> = made.flatten().collect();
+        items.extend(made);
         for item in &items {
             let Item::Mod(module) = item else { continue };
             let below = directory.join(module.ident.to_string());
@@ -160,7 +195,19 @@ impl Surface {
             }
             UseTree::Name(tree) => (tree.ident.to_string(), tree.ident.to_string()),
             UseTree::Rename(tree) => (tree.ident.to_string(), tree.rename.to_string()),
-            UseTree::Glob(_) => panic!("{module} exports what cannot be seen"),
+            // of private modules that are made of a table
+            UseTree::Glob(_) => {
+                let home = resolved(&path, module);
+                assert!(
+                    home.ends_with("::markers") && !self.is_public(&home),
+                    "{module} exports what cannot be seen"
+                );
+                for item in self.modules[&home].clone() {
+                    let (name, _) = head(&item).expect("a type");
+                    self.item(&item, &home, &format!("{public}::{name}"));
+                }
+                return;
+            }
         };
         let home = resolved(&path, module);
         self.lines
