@@ -25,7 +25,9 @@ use crate::flat::{Method, NotGenerated};
 use crate::inertia::{require_finite, require_positive_definite, require_symmetric, symmetrize};
 use crate::legendre::{self, LegendreError};
 use crate::retraction::RetractionKind;
-use crate::scalar::simd::frame::{MachineLanes, Wide, has_lanes};
+#[cfg(feature = "machine")]
+use crate::scalar::simd::frame::MachineLanes;
+use crate::scalar::simd::frame::{Wide, has_lanes};
 use crate::scheme::Rule;
 use crate::schemes::Scheme;
 use crate::system::{Description, Kind, Quantity, Role, Side, Stored, larger};
@@ -428,9 +430,11 @@ impl EnsembleSystem for DynamicSystem {
     ) -> Result<Members, EnsembleError> {
         let all = |holds: fn(&Step) -> bool| self.definition.steps.iter().all(|step| holds(step));
         let are_small = all(|step| step.layout.unknown.len() <= MOST_IN_LANES);
+        #[cfg(feature = "machine")]
         if are_small && all(|step| step.functions.has_march()) {
-            self.side_by_side::<MachineLanes>(scheme, members, step)
-        } else if are_small && has_lanes() {
+            return self.side_by_side::<MachineLanes>(scheme, members, step);
+        }
+        if are_small && has_lanes() {
             self.side_by_side::<Wide>(scheme, members, step)
         } else {
             self.side_by_side::<f64>(scheme, members, step)
