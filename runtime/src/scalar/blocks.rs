@@ -50,7 +50,8 @@ pub(crate) fn weights<T: Batch, U: Components<T>>(blocks: &[usize], to: &U) -> U
     let (mut weights, mut from) = (*to, 0_usize);
     blocks!(blocks, U::LENGTH, i, [size = floor() => to.as_ref()[i].abs()], {
         let weight = T::of(1.0) / size;
-        while from < i {
+        // the bound that the compiler sees, too
+        while from < i.min(U::LENGTH) {
             weights.as_mut()[from] = weight;
             from += 1;
         }

@@ -2,12 +2,12 @@
 //! iterate waits for a division.
 
 use super::constants::{FAR, FEW, ITERATIONS, QUICK, STRONG, TOLERANCE};
+use super::equation::{Facts, Iterated};
 use super::memory::{Convergence, Memory, is_left, rate, tolerance};
 use super::newton::is_found_from_start;
-use super::{Solution, SolutionOf, count, go_on};
-use crate::kernel::{AtState, Kernel};
+use super::{Solution, count, go_on};
 use crate::scalar::blocks::{change, is_within};
-use crate::scalar::{Batch, Mask};
+use crate::scalar::{Batch, Components, Mask};
 
 /// Iterates from a guess, in lanes where it is to be [tried](Memory::tries), as long as iterations contract strongly;
 /// `first` is where the first one led to, if it was made.
@@ -15,21 +15,21 @@ use crate::scalar::{Batch, Mask};
 /// What is left after an iteration is its change times the rate of contraction: that of the changes before, as long as these were more than
 /// rounding, or the one that was known before.
 #[inline(always)]
-pub(super) fn solve<T: Batch, K: Kernel<T>>(
-    equation: &AtState<'_, T, K>,
-    memory: &Memory<T, K::Unknown>,
-    guess: &K::Unknown,
-    first: Option<K::Unknown>,
-) -> SolutionOf<T, K> {
-    let AtState { kernel, state, step } = *equation;
-    let (blocks, convergence) = (kernel.blocks(), Convergence::of(kernel));
+pub(super) fn solve<T: Batch, U: Components<T>, E: Iterated<T, U> + ?Sized>(
+    equation: &mut E,
+    facts: &Facts<'_>,
+    memory: &Memory<T, U>,
+    guess: &U,
+    first: Option<U>,
+) -> Solution<T, U, E::Iterate> {
+    let Facts { blocks, convergence, .. } = *facts;
     let none = T::Mask::splat(false);
     let (mut point, mut unknown) = (*guess, *guess);
     let (mut solved, mut quick, mut again) = (none, none, memory.tries());
     // of changes, one after the other, that are no rounding
     let (mut iterations, mut residual, mut sharp) = (T::all(0), T::of(0.0), [T::of(1.0), memory.rate]);
     let (mut last, mut round) = (T::of(FAR), 0);
-    let start = kernel.finds_any().then(|| equation.start());
+    let start = facts.finds_any.then(|| equation.start());
     let is_as_fast = memory.is_as_fast(convergence);
     let few = if convergence.is_newton() { FEW + 1 } else { 1 };
     let mut measures = !is_as_fast;
@@ -44,9 +44,8 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
     let evaluation = loop {
         // the other lanes wait
         point = go_on::<T, _>(again, &unknown, &point);
-        let evaluation =
-            if const { T::LANES > 1 } { equation.evaluate_apart(&point) } else { equation.evaluate(&point) };
-        let next = kernel.fixed_point_update(state, step, &point, &evaluation);
+        let evaluation = equation.evaluate(&point);
+        let next = equation.update(&point, &evaluation);
         unknown = go_on::<T, _>(again, &next, &unknown);
         round += 1;
         count::<T>(&mut iterations, again);
@@ -78,7 +77,7 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
         }
         if let Some(start) = &start {
             // it may be another solution
-            let is_far = !is_found_from_start(equation, start, &unknown, is_last);
+            let is_far = !is_found_from_start(equation, blocks, start, &unknown, is_last);
             (is_last, again) = (is_last & !is_far, again & !is_far);
         }
         solved = solved | is_last;

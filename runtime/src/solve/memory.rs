@@ -1,6 +1,7 @@
 //! What a step remembers of the ones before it: it saves time, and nothing else.
 
 use super::constants::{FORGETS, HARDLY, INTERVALS, LEFT, NEWTON, SHARP, SMALL, STRONG, TOLERANCE};
+use super::equation::Facts;
 use super::predictor::{Continuation, Predictor};
 use crate::kernel::Kernel;
 use crate::scalar::{Batch, Components, Mask, Real};
@@ -177,9 +178,9 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
     /// Remembers a step that was not taken on the fast path: its solution, and the rate of contraction as it was seen.
     /// Lanes that are solved as `quick` as there learn no more than there.
     #[inline(always)]
-    pub(super) fn learn<K: Kernel<T, Unknown = U>>(
+    pub(super) fn learn(
         &mut self,
-        kernel: &K,
+        facts: &Facts<'_>,
         start: impl FnOnce() -> U,
         solution: &U,
         quick: T::Mask,
@@ -190,7 +191,7 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
         }
         // after any step the one follows from the other, so that memory that is taken up anew is the same
         if !(self.predictor.remembers() && rate.is_same(self.rate).all()) {
-            (self.rate, self.tolerance) = (rate, tolerance(rate, Convergence::of(kernel)));
+            (self.rate, self.tolerance) = (rate, tolerance(rate, facts.convergence));
         }
         let quick = quick & T::Mask::splat(self.due > 0);
         if self.due == 0 {
@@ -199,8 +200,8 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
         } else {
             self.due -= 1;
         }
-        let start = kernel.is_newton().then(start);
-        self.predictor.learn(Continuation::of(kernel), kernel.blocks(), start.as_ref(), solution, quick);
+        let start = facts.convergence.is_newton().then(start);
+        self.predictor.learn(facts.by, facts.blocks, start.as_ref(), solution, quick);
         self.settle();
     }
 

@@ -15,6 +15,7 @@
 //! ([`Equation::roundoff`](crate::kernel::Equation::roundoff)). What is [remembered](memory) saves time, and nothing else.
 
 mod constants;
+mod equation;
 mod fixed_point;
 mod memory;
 mod newton;
@@ -24,9 +25,12 @@ pub(crate) mod step;
 
 #[cfg(feature = "std")]
 use crate::error::StepError;
-use crate::kernel::{AtState, Evaluation, Kernel};
+use crate::kernel::Evaluation;
+#[cfg(feature = "std")]
+use crate::kernel::{AtState, Kernel};
 use crate::scalar::blocks::select;
 use crate::scalar::{Batch, Components, Mask};
+use equation::Iterated;
 
 /// A solution of a step's equation, or what has become of the search for it.
 #[derive(Clone, Copy)]
@@ -47,13 +51,11 @@ struct Solution<T: Batch, U, I> {
     rate: T,
 }
 
-type SolutionOf<T, K> = Solution<T, <K as Kernel<T>>::Unknown, <K as Kernel<T>>::Iterate>;
-
 impl<T: Batch, U: Copy, I: Copy> Solution<T, U, I> {
     /// A value of the unknown that is nothing more yet.
     #[inline(always)]
-    fn of<K: Kernel<T, Unknown = U, Iterate = I>>(
-        equation: &AtState<'_, T, K>,
+    fn of<E: Iterated<T, U, Iterate = I> + ?Sized>(
+        equation: &mut E,
         unknown: &U,
         solved: T::Mask,
         rate: T,

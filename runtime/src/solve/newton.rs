@@ -1,30 +1,32 @@
 //! Newton's method on a step's equation.
 
 use super::constants::{FAR, NEAR, PROGRESS, REGULAR, RESIDUAL, TOWARDS};
-use super::{Solution, SolutionOf, count, go_on};
-use crate::kernel::{AtState, Equation, Kernel};
+use super::equation::{Begun, Facts, Iterated};
+use super::{Solution, count, go_on};
 use crate::scalar::blocks::{change, is_below, less, plus, relative, select};
 use crate::scalar::{Batch, Components, Mask, Work};
 
 /// The lanes that were not solved `before`, solved from `from` on; in others all stays as it is. Lanes in which the corrections do not lead to a
 /// solution, or to one that may not be the one that they lead to from the equation's own first approximation if they begin `elsewhere`, stay
 /// unsolved.
-pub(super) struct Newton<'a, T: Batch, K: Kernel<T>> {
-    pub(super) equation: &'a AtState<'a, T, K>,
-    pub(super) before: Option<&'a SolutionOf<T, K>>,
-    pub(super) from: &'a K::Unknown,
+pub(super) struct Newton<'a, T: Batch, U> {
+    pub(super) equation: &'a mut dyn Begun<T, U>,
+    pub(super) facts: &'a Facts<'a>,
+    pub(super) before: Option<&'a Solution<T, U, ()>>,
+    pub(super) from: &'a U,
     pub(super) elsewhere: T::Mask,
     pub(super) rate: T,
 }
 
-impl<T: Batch, K: Kernel<T>> Work for Newton<'_, T, K> {
-    type CallSite = K;
-    type Result = SolutionOf<T, K>;
+/// Out of line: once for all equations with as many unknowns.
+impl<T: Batch, U: Components<T>> Work for Newton<'_, T, U> {
+    type CallSite = ();
+    type Result = Solution<T, U, ()>;
 
     #[inline(always)]
-    fn done(self) -> SolutionOf<T, K> {
-        let Self { equation, before, from, elsewhere, rate } = self;
-        let (blocks, is_true) = (equation.kernel.blocks(), equation.kernel.has_true_jacobian());
+    fn done(self) -> Solution<T, U, ()> {
+        let Self { equation, facts, before, from, elsewhere, rate } = self;
+        let (blocks, is_true) = (facts.blocks, facts.has_true_jacobian);
         let (mut point, mut solved) = (*from, T::Mask::splat(false));
         let (mut iterations, mut residual) = (T::all(0), T::of(0.0));
         if let Some(before) = before {
@@ -35,11 +37,7 @@ impl<T: Batch, K: Kernel<T>> Work for Newton<'_, T, K> {
         let (mut last, mut moved) = (T::of(FAR), T::of(1.0));
         let mut round = 0;
         let evaluation = loop {
-            let evaluation = if const { T::LANES > 1 } {
-                equation.evaluate_apart(&point)
-            } else {
-                equation.evaluate(&point)
-            };
+            let evaluation = equation.evaluate(&point);
             let now = relative::<T, _>(blocks, &evaluation.residual, &evaluation.right);
             let mut done = open & is_rounding(now, moved, is_true);
             residual = T::select(open, now, residual);
@@ -57,7 +55,7 @@ impl<T: Batch, K: Kernel<T>> Work for Newton<'_, T, K> {
                 break evaluation;
             }
             // it is rare
-            let correction = equation.correction_apart(&point, &evaluation);
+            let correction = equation.correction(&point);
             (last, moved) = (now, relative::<T, _>(blocks, &correction, &point));
             point = go_on::<T, _>(open, &less(&point, &correction), &point);
             round += 1;
@@ -65,7 +63,8 @@ impl<T: Batch, K: Kernel<T>> Work for Newton<'_, T, K> {
         };
         let doubtful = elsewhere & solved & !first_solved;
         if doubtful.any() {
-            solved = solved & is_found_from_start(equation, &equation.start(), &point, doubtful);
+            let start = Iterated::start(equation);
+            solved = solved & is_found_from_start(equation, blocks, &start, &point, doubtful);
         }
         let unknown = before.map_or(point, |before| select(first_solved, &before.unknown, &point));
         let quick = before.map_or(T::Mask::splat(false), |before| before.quick);
@@ -86,12 +85,8 @@ fn is_rounding<T: Batch>(residual: T, moved: T, is_true: bool) -> T::Mask {
 
 /// What rounding leaves of the residual in these lanes.
 #[inline(always)]
-fn roundoff<T: Batch, K: Kernel<T>>(
-    equation: &AtState<'_, T, K>,
-    unknown: &K::Unknown,
-    lanes: T::Mask,
-) -> K::Unknown {
-    let mut all = K::Unknown::splat(T::of(0.0));
+fn roundoff<T: Batch, U: Components<T>>(equation: &dyn Begun<T, U>, unknown: &U, lanes: T::Mask) -> U {
+    let mut all = U::splat(T::of(0.0));
     let mut lane = 0;
     while lane < T::LANES {
         if lanes.lane(lane) {
@@ -106,35 +101,19 @@ fn roundoff<T: Batch, K: Kernel<T>>(
 /// or the first correction leads nearer to it. Where steps are so large that the equation has several solutions, which of them a step takes must not
 /// depend on what is remembered.
 #[inline(always)]
-pub(super) fn is_found_from_start<T: Batch, K: Kernel<T>>(
-    equation: &AtState<'_, T, K>,
-    start: &K::Unknown,
-    solution: &K::Unknown,
+pub(super) fn is_found_from_start<T: Batch, U: Components<T>, E: Iterated<T, U> + ?Sized>(
+    equation: &E,
+    blocks: &[usize],
+    start: &U,
+    solution: &U,
     asked: T::Mask,
 ) -> T::Mask {
-    let away = change::<T, _>(equation.kernel.blocks(), start, solution);
+    let away = change::<T, _>(blocks, start, solution);
     let is_near = away.le(T::of(NEAR)) | !asked;
     if is_near.all() {
         return is_near;
     }
-    is_near | T::dispatch(Corrected { equation, start, solution }).le(T::of(TOWARDS) * away)
-}
-
-/// How far a solution is from where a correction leads from the equation's first approximation: out of line, since most are near.
-struct Corrected<'a, T: Batch, K: Kernel<T>> {
-    equation: &'a AtState<'a, T, K>,
-    start: &'a K::Unknown,
-    solution: &'a K::Unknown,
-}
-
-impl<T: Batch, K: Kernel<T>> Work for Corrected<'_, T, K> {
-    type CallSite = K;
-    type Result = T;
-
-    #[inline(always)]
-    fn done(self) -> T {
-        let Self { equation, start, solution } = self;
-        let correction = equation.corrected(start, None).iterate;
-        change::<T, _>(equation.kernel.blocks(), &less(start, &correction), solution)
-    }
+    // most are near
+    let there = less(start, &equation.correction_at(start));
+    is_near | change::<T, _>(blocks, &there, solution).le(T::of(TOWARDS) * away)
 }

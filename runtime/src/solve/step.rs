@@ -1,13 +1,14 @@
 //! A step that is one equation, from its kernel: the whole story.
 
 use super::constants::{FAR, FEW};
+use super::equation::{Begun, BegunStep, Ended, Facts, Iterated, ended};
 use super::memory::{Convergence, Memory, is_left};
 use super::newton::{Newton, is_found_from_start};
 use super::predictor::{Continuation, Guess, Predictor};
 use super::rescue::{Rescue, Rescued};
-use super::{Solution, SolutionOf, fixed_point, go_on};
+use super::{Solution, fixed_point, go_on};
 use crate::error::StepError;
-use crate::kernel::{self, AtState, Kernel, finite, is_inside, is_surely_finite};
+use crate::kernel::{self, AtState, Kernel, is_inside, is_surely_finite};
 use crate::method::{AdvanceN, Advanced, Clock, Failure, Method, Outcome, StepsReport};
 use crate::scalar::blocks::{change, is_within, less, plus, select};
 use crate::scalar::simd::lanes::{Portable, Processor};
@@ -93,7 +94,7 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
     ) -> Outcome<T, K::State> {
         // copies, so that the fast path needs no addresses
         let (state, control) = (*state, *control);
-        T::dispatch(SlowPath { method: self, state: &state, time, control: &control, known, first: None })
+        T::dispatch(Slow { method: self, state: &state, time, control: &control, known, first: None })
     }
 
     #[inline(always)]
@@ -156,16 +157,17 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
         // in line, so that numbers stay in registers: a step with four iterations takes a third less
         if known && const { !K::IS_LONG } && self.memory.is_regular() {
             let Self { kernel, memory } = self;
-            let step = &kernel.begin(state, time, control);
-            let equation = &AtState { kernel: &*kernel, state, step };
-            let solution = fixed_point::solve(equation, memory, &predicted(equation, memory), first);
-            if let Some(advanced) = advanced::<_, _, true>(equation, memory, &solution, time, control) {
+            let (step, facts) = (&kernel.begin(state, time, control), Facts::of(kernel));
+            let equation = &mut AtState { kernel: &*kernel, state, step };
+            let guess = predicted(equation, &facts, memory);
+            let solution = fixed_point::solve(equation, &facts, memory, &guess, first);
+            if let Some(advanced) = advanced(equation, &facts, memory, &solution, time, control) {
                 return Ok(advanced);
             }
         }
         // copies, so that the fast path needs no addresses
         let (state, control) = (*state, *control);
-        T::dispatch(SlowPath { method: self, state: &state, time, control: &control, known, first })
+        T::dispatch(Slow { method: self, state: &state, time, control: &control, known, first })
     }
 
     /// What machine code takes steps on the fast path with, on this frame, up to `most`.
@@ -285,7 +287,7 @@ fn fast_path<P: Processor, T: Batch, K: Kernel<T>>(
             && kernel.finds_any()
         {
             let equation = &AtState { kernel, state, step: &step };
-            if !is_found_from_start(equation, start, &unknown, T::Mask::splat(true)).all() {
+            if !is_found_from_start(equation, kernel.blocks(), start, &unknown, T::Mask::splat(true)).all() {
                 return (*state, Err(None));
             }
         }
@@ -310,8 +312,8 @@ fn fast_path<P: Processor, T: Batch, K: Kernel<T>>(
     (next, Ok(()))
 }
 
-/// A step, with all that can happen.
-struct SlowPath<'a, T: Batch, K: Kernel<T>> {
+/// A step of a kernel, with all that can happen.
+struct Slow<'a, T: Batch, K: Kernel<T>> {
     method: &'a mut OneStep<T, K>,
     state: &'a K::State,
     time: T,
@@ -322,38 +324,65 @@ struct SlowPath<'a, T: Batch, K: Kernel<T>> {
     first: Option<K::Unknown>,
 }
 
-impl<T: Batch, K: Kernel<T>> Work for SlowPath<'_, T, K> {
+impl<T: Batch, K: Kernel<T>> Work for Slow<'_, T, K> {
     type CallSite = K;
     type Result = Outcome<T, K::State>;
 
     #[inline(always)]
     fn done(self) -> Outcome<T, K::State> {
-        let Self { method: OneStep { kernel, memory }, state, time, control, known, mut first } = self;
+        let Self { method: OneStep { kernel, memory }, state, time, control, known, first } = self;
         let state = &one_by_one::<T, _>(state);
         if !known {
             memory.forget();
         }
         let step = &kernel.begin(state, time, control);
-        let equation = &AtState { kernel: &*kernel, state, step };
+        let at = AtState { kernel: &*kernel, state, step };
+        let mut begun = BegunStep { at, time, control, last: None, next: *state };
+        let facts = Facts::of(kernel);
+        let Taken { errors, iterations, residual } =
+            T::dispatch(SlowPath { equation: &mut begun, facts, memory, first });
+        let advanced = Advanced { state: begun.next, iterations, residual };
+        match errors {
+            None => Ok(advanced),
+            Some(errors) => Err(Failure { errors, advanced }),
+        }
+    }
+}
+
+/// The way that all kernels with as many unknowns have in common.
+struct SlowPath<'a, T: Batch, U> {
+    equation: &'a mut dyn Begun<T, U>,
+    facts: Facts<'a>,
+    memory: &'a mut Memory<T, U>,
+    first: Option<U>,
+}
+
+/// A step that was taken so, or was not.
+struct Taken<T: Batch> {
+    /// What is wrong, if anything is.
+    errors: Option<T::Each<Option<StepError>>>,
+    iterations: T::Each<u32>,
+    residual: T,
+}
+
+/// Out of line: once for all equations with as many unknowns.
+impl<T: Batch, U: Components<T>> Work for SlowPath<'_, T, U> {
+    type CallSite = ();
+    type Result = Taken<T>;
+
+    #[inline(always)]
+    fn done(self) -> Taken<T> {
+        let Self { equation, ref facts, memory, mut first } = self;
         let (mut unsolved, mut aside) = (None, None);
         let mut solution = loop {
-            let (begin, mut before) = (guess(equation, memory), None);
-            if const { <K::Unknown as Components<T>>::LENGTH > 0 } && memory.tries().any() {
-                let solution = fixed_point::solve(equation, memory, &begin, first);
-                // numbers stay in registers; in lanes there are too few
-                if const { T::LANES == 1 }
-                    && aside.is_none()
-                    && let Some(advanced) =
-                        advanced::<_, _, false>(equation, memory, &solution, time, control)
-                {
-                    return Ok(advanced);
-                }
-                before = Some(solution);
+            let (begin, mut before) = (guess(equation, facts, memory), None);
+            if const { U::LENGTH > 0 } && memory.tries().any() {
+                before = Some(fixed_point::solve(equation, facts, memory, &begin, first));
             }
             let solution = match before {
                 Some(solution) if solution.solved.all() => solution,
                 // a copy, so that iterations need no address
-                _ => by_newton(equation, memory, begin, before),
+                _ => by_newton(equation, facts, memory, begin, before),
             };
             let solution = match unsolved {
                 Some(unsolved) => completed(equation, &unsolved, &solution),
@@ -370,23 +399,22 @@ impl<T: Batch, K: Kernel<T>> Work for SlowPath<'_, T, K> {
         }
         let (mut errors, mut is_rescued) = (T::all(None), false);
         loop {
-            let Accepted { next, good, inside } = accept(equation, &solution, time, control);
-            let Solution { iterations, residual, .. } = solution;
-            let advanced = Advanced { state: next, iterations, residual };
-            let given = finite(state) & finite(control) & time.is_finite();
+            let Solution { iterations, residual, solved, .. } = solution;
+            let Ended { inside, finite, given } = equation.finish(&solution.unknown);
+            let good = solved & inside & finite;
             if !good.all() && !is_rescued {
-                errors = rescue(equation, &mut solution, given & !good);
+                errors = rescue(equation, facts, &mut solution, given & !good);
                 is_rescued = true;
                 continue;
             }
             if good.any() {
                 let Solution { unknown, quick, rate, .. } = &solution;
-                T::dispatch(Learn { equation, memory, solution: unknown, quick: *quick, rate: *rate });
+                memory.learn(facts, || Iterated::start(equation), unknown, *quick, *rate);
             } else {
                 memory.forget();
             }
             if good.all() {
-                return Ok(advanced);
+                return Taken { errors: None, iterations, residual };
             }
             let errors = T::each(|lane| {
                 let late = if inside.lane(lane) { StepError::NotFinite } else { StepError::OutsideDomain };
@@ -394,72 +422,76 @@ impl<T: Batch, K: Kernel<T>> Work for SlowPath<'_, T, K> {
                 let is_given = given.lane(lane);
                 (!good.lane(lane)).then_some(if is_given { error } else { StepError::NotFinite })
             });
-            return Err(Failure { errors, advanced });
+            return Taken { errors: Some(errors), iterations, residual };
         }
     }
 }
 
 /// Where the search for a solution begins.
 #[inline(always)]
-fn guess<T: Batch, K: Kernel<T>>(equation: &AtState<'_, T, K>, memory: &Memory<T, K::Unknown>) -> K::Unknown {
+fn guess<T: Batch, U: Components<T>>(
+    equation: &dyn Begun<T, U>,
+    facts: &Facts<'_>,
+    memory: &Memory<T, U>,
+) -> U {
     match memory.predictor.remembers() {
-        true if memory.is_due() && equation.kernel.is_newton() => equation.start(),
+        true if memory.is_due() && facts.convergence.is_newton() => Iterated::start(equation),
         true if memory.is_due() => memory.predictor.latest(),
-        true => predicted(equation, memory),
-        false => equation.start(),
+        true => predicted(equation, facts, memory),
+        false => Iterated::start(equation),
     }
 }
 
 /// Where the solutions before point.
 #[inline(always)]
-fn predicted<T: Batch, K: Kernel<T>>(
-    equation: &AtState<'_, T, K>,
-    memory: &Memory<T, K::Unknown>,
-) -> K::Unknown {
+fn predicted<T: Batch, U: Components<T>, E: Iterated<T, U> + ?Sized>(
+    equation: &E,
+    facts: &Facts<'_>,
+    memory: &Memory<T, U>,
+) -> U {
     let next = memory.predictor.next();
-    if equation.kernel.is_newton() { plus(&equation.start(), T::of(1.0), &next) } else { next }
+    if facts.convergence.is_newton() { plus(&equation.start(), T::of(1.0), &next) } else { next }
 }
 
 /// The solution by Newton's method, in the lanes in which fixed-point iterations did not lead to one.
 #[inline(always)]
-fn by_newton<T: Batch, K: Kernel<T>>(
-    equation: &AtState<'_, T, K>,
-    memory: &Memory<T, K::Unknown>,
-    from: K::Unknown,
-    before: Option<SolutionOf<T, K>>,
-) -> SolutionOf<T, K> {
-    if const { <K::Unknown as Components<T>>::LENGTH == 0 } {
+fn by_newton<T: Batch, U: Components<T>>(
+    equation: &mut dyn Begun<T, U>,
+    facts: &Facts<'_>,
+    memory: &Memory<T, U>,
+    from: U,
+    before: Option<Solution<T, U, ()>>,
+) -> Solution<T, U, ()> {
+    if const { U::LENGTH == 0 } {
         return Solution::of(equation, &from, T::Mask::splat(true), memory.rate);
     }
     let (mut elsewhere, mut rate) = (T::Mask::splat(memory.predictor.remembers()), memory.rate);
     let mut from = from;
     if let Some(before) = &before {
         // iterations that contract strongly lead to one solution alone; Newton's do so to any, and may have come to it
-        let finds_any = equation.kernel.finds_any();
-        let is_sure = memory.is_strong() & T::Mask::splat(!equation.kernel.is_newton());
+        let is_sure = memory.is_strong() & T::Mask::splat(!facts.convergence.is_newton());
         (elsewhere, rate) = (elsewhere & !is_sure, before.rate);
-        if finds_any {
+        if facts.finds_any {
             from = before.unknown;
         }
     }
-    let newton = Newton { equation, before: before.as_ref(), from: &from, elsewhere, rate };
-    T::dispatch(newton)
+    T::dispatch(Newton { equation, facts, before: before.as_ref(), from: &from, elsewhere, rate })
 }
 
 /// A solution that was found in some lanes, completed by another one in the others.
 #[inline(always)]
-fn completed<T: Batch, K: Kernel<T>>(
-    equation: &AtState<'_, T, K>,
-    before: &SolutionOf<T, K>,
-    other: &SolutionOf<T, K>,
-) -> SolutionOf<T, K> {
+fn completed<T: Batch, U: Components<T>>(
+    equation: &mut dyn Begun<T, U>,
+    before: &Solution<T, U, ()>,
+    other: &Solution<T, U, ()>,
+) -> Solution<T, U, ()> {
     if const { T::LANES == 1 } {
         return Solution { quick: T::Mask::splat(false), ..*other };
     }
     let (known, mut completed) = (before.solved, *before);
     completed.unknown = select(known, &before.unknown, &other.unknown);
     completed.point = select(known, &before.point, &other.point);
-    completed.evaluation = equation.evaluate_apart(&completed.point);
+    completed.evaluation = Iterated::evaluate(equation, &completed.point);
     completed.residual = T::select(known, before.residual, other.residual);
     completed.rate = T::select(known, before.rate, other.rate);
     completed.quick = known & before.quick;
@@ -476,18 +508,20 @@ fn completed<T: Batch, K: Kernel<T>>(
 
 /// Solves the lanes that are `wanted` once more, from nothing that is remembered. Returns what is wrong with them.
 #[inline(always)]
-fn rescue<T: Batch, K: Kernel<T>>(
-    equation: &AtState<'_, T, K>,
-    solution: &mut SolutionOf<T, K>,
+fn rescue<T: Batch, U: Components<T>>(
+    equation: &mut dyn Begun<T, U>,
+    facts: &Facts<'_>,
+    solution: &mut Solution<T, U, ()>,
     wanted: T::Mask,
 ) -> T::Each<Option<StepError>> {
-    let (start, mut errors, mut failed, mut lane) = (&equation.start(), T::all(None), T::of(0.0), 0);
+    let start = &Iterated::start(equation);
+    let (mut errors, mut failed, mut lane) = (T::all(None), T::of(0.0), 0);
     while lane < T::LANES {
         if wanted.lane(lane) {
-            match T::dispatch(Rescue { equation, blocks: equation.kernel.blocks(), start, lane }) {
+            match T::dispatch(Rescue { equation: &*equation, blocks: facts.blocks, start, lane }) {
                 Ok(Rescued { unknown, residual, evaluations }) => {
                     let mut k = 0;
-                    while k < K::Unknown::LENGTH {
+                    while k < U::LENGTH {
                         solution.unknown.as_mut()[k].set_lane(lane, unknown.as_ref()[k].lane(lane));
                         k += 1;
                     }
@@ -503,7 +537,7 @@ fn rescue<T: Batch, K: Kernel<T>>(
         lane += 1;
     }
     solution.point = select(wanted, &solution.unknown, &solution.point);
-    solution.evaluation = equation.evaluate_apart(&solution.point);
+    solution.evaluation = Iterated::evaluate(equation, &solution.point);
     solution.quick = solution.quick & !wanted;
     solution.solved = (solution.solved | wanted) & failed.le(T::of(0.0));
     errors
@@ -512,71 +546,24 @@ fn rescue<T: Batch, K: Kernel<T>>(
 /// Where a step has led to, if its equation is solved in all lanes and nothing is wrong. What it learns of the step is
 /// compiled in line, a twentieth of the instructions of steps with two iterations, in one place of each kernel.
 #[inline(always)]
-fn advanced<T: Batch, K: Kernel<T>, const IN_LINE: bool>(
+fn advanced<T: Batch, K: Kernel<T>>(
     equation: &AtState<'_, T, K>,
+    facts: &Facts<'_>,
     memory: &mut Memory<T, K::Unknown>,
-    solution: &SolutionOf<T, K>,
+    solution: &Solution<T, K::Unknown, K::Iterate>,
     time: T,
     control: &K::Control,
 ) -> Option<Advanced<T, K::State>> {
     if !solution.solved.all() {
         return None;
     }
-    let accepted = accept(equation, solution, time, control);
-    if !accepted.good.all() {
+    let Solution { unknown, evaluation, quick, iterations, residual, rate, .. } = solution;
+    let next = equation.kernel.finish(equation.state, equation.step, unknown, evaluation);
+    let Ended { inside, finite, .. } = ended(equation, unknown, evaluation, time, control, &next);
+    if !(inside & finite).all() {
         return None;
     }
-    let Solution { unknown, quick, iterations, residual, rate, .. } = solution;
-    let learn = Learn { equation, memory, solution: unknown, quick: *quick, rate: *rate };
-    if const { IN_LINE || K::IS_LONG } {
-        learn.done()
-    } else {
-        T::dispatch(learn)
-    }
+    memory.learn(facts, || equation.start(), unknown, *quick, *rate);
     let (iterations, residual) = (*iterations, *residual);
-    Some(Advanced { state: accepted.next, iterations, residual })
-}
-
-/// Remembers a step that needed more than one iteration: compiled once for nearly all ways that lead to one, for it is long.
-struct Learn<'a, T: Batch, K: Kernel<T>> {
-    equation: &'a AtState<'a, T, K>,
-    memory: &'a mut Memory<T, K::Unknown>,
-    solution: &'a K::Unknown,
-    quick: T::Mask,
-    rate: T,
-}
-
-impl<T: Batch, K: Kernel<T>> Work for Learn<'_, T, K> {
-    type CallSite = K;
-    type Result = ();
-
-    #[inline(always)]
-    fn done(self) {
-        let Self { equation, memory, solution, quick, rate } = self;
-        memory.learn(equation.kernel, || equation.start(), solution, quick, rate);
-    }
-}
-
-/// The end of a step from the solution of its equation.
-struct Accepted<T: Batch, S> {
-    next: S,
-    /// The lanes in which nothing is wrong, and those in which the solution is inside the retraction's domain.
-    good: T::Mask,
-    inside: T::Mask,
-}
-
-#[inline(always)]
-fn accept<T: Batch, K: Kernel<T>>(
-    equation: &AtState<'_, T, K>,
-    solution: &SolutionOf<T, K>,
-    time: T,
-    control: &K::Control,
-) -> Accepted<T, K::State> {
-    let AtState { kernel, state, step } = *equation;
-    let Solution { unknown, evaluation, solved, .. } = solution;
-    let next = kernel.finish(state, step, unknown, evaluation);
-    let inside = is_inside(kernel, state, step, unknown, evaluation);
-    // a component that is not finite before the step is not finite after it
-    let good = *solved & inside & finite(&next) & finite(control) & time.is_finite();
-    Accepted { next, good, inside }
+    Some(Advanced { state: next, iterations, residual })
 }
