@@ -4,7 +4,7 @@
 use super::memory::Convergence;
 use super::predictor::Continuation;
 use crate::kernel::{self, AtState, Equation, Evaluation, Kernel, finite};
-use crate::scalar::{Batch, Mask, Scalar, Work};
+use crate::scalar::{Batch, Scalar, Work};
 
 /// What is known of a kernel's equation.
 #[derive(Clone, Copy)]
@@ -35,53 +35,50 @@ impl<'a> Facts<'a> {
 
 /// An equation that iterations are made on.
 pub(super) trait Iterated<T, U> {
-    /// What an evaluation leaves for the update.
-    type Iterate: Copy;
+    /// What is known of a point where it was evaluated.
+    type Evaluation: Copy;
     /// See [`Kernel::start`].
     fn start(&self) -> U;
     /// See [`Kernel::evaluate`].
-    fn evaluate(&mut self, unknown: &U) -> Evaluation<U, Self::Iterate>;
-    /// See [`Kernel::fixed_point_update`], of the last evaluation.
-    fn update(&self, unknown: &U, evaluation: &Evaluation<U, Self::Iterate>) -> U;
-    /// The Newton correction at an unknown that nothing else is evaluated at.
-    fn correction_at(&self, unknown: &U) -> U;
+    fn evaluate(&self, unknown: &U) -> Self::Evaluation;
+    /// See [`Kernel::fixed_point_update`], and the evaluation that it is of.
+    fn iterate(&self, unknown: &U) -> (U, Self::Evaluation);
+    /// The Newton correction at an unknown, where it is seldom asked for.
+    fn correction_apart(&self, unknown: &U) -> U;
 }
 
 impl<T: Batch, K: Kernel<T>> Iterated<T, K::Unknown> for AtState<'_, T, K> {
-    type Iterate = K::Iterate;
+    type Evaluation = Evaluation<K::Unknown, K::Iterate>;
 
     #[inline(always)]
     fn start(&self) -> K::Unknown {
         self.kernel.start(self.state, self.step)
     }
     #[inline(always)]
-    fn evaluate(&mut self, unknown: &K::Unknown) -> Evaluation<K::Unknown, K::Iterate> {
+    fn evaluate(&self, unknown: &K::Unknown) -> Self::Evaluation {
         self.kernel.evaluate(self.state, self.step, unknown)
     }
     #[inline(always)]
-    fn update(&self, unknown: &K::Unknown, evaluation: &Evaluation<K::Unknown, K::Iterate>) -> K::Unknown {
-        self.kernel.fixed_point_update(self.state, self.step, unknown, evaluation)
+    fn iterate(&self, unknown: &K::Unknown) -> (K::Unknown, Self::Evaluation) {
+        let evaluation = self.evaluate(unknown);
+        (self.kernel.fixed_point_update(self.state, self.step, unknown, &evaluation), evaluation)
     }
     #[inline(always)]
-    fn correction_at(&self, unknown: &K::Unknown) -> K::Unknown {
+    fn correction_apart(&self, unknown: &K::Unknown) -> K::Unknown {
         self.corrected(unknown, None).iterate
     }
 }
 
-/// The equation of a step that was begun, through a table. It keeps what was evaluated last.
+/// The equation of a step that was begun, through a table.
 ///
 /// `extern "C"`, as [`Equation`].
 pub(super) trait Begun<T: Batch, U>: Equation<T, U> {
-    /// See [`Iterated::start`].
-    extern "C" fn start(&self) -> U;
-    /// See [`Iterated::evaluate`].
-    extern "C" fn evaluate(&mut self, unknown: &U) -> Evaluation<U, ()>;
-    /// See [`Iterated::update`].
+    /// See [`Kernel::start`].
+    extern "C" fn first(&self) -> U;
+    /// See [`Kernel::fixed_point_update`].
     extern "C" fn update(&self, unknown: &U) -> U;
-    /// See [`Kernel::correction`], of the last evaluation.
-    extern "C" fn correction(&self, unknown: &U) -> U;
-    /// Ends the step with what was evaluated last, near this solution.
-    extern "C" fn finish(&mut self, unknown: &U) -> Ended<T>;
+    /// Ends the step with this solution, so near to the point where the equation is evaluated that it makes no difference.
+    extern "C" fn finish(&mut self, point: &U, unknown: &U) -> Ended<T>;
 }
 
 /// The lanes in which a step ended well.
@@ -96,22 +93,20 @@ pub(super) struct Ended<T: Batch> {
 }
 
 impl<T: Batch, U> Iterated<T, U> for dyn Begun<T, U> + '_ {
-    type Iterate = ();
+    type Evaluation = ();
 
     #[inline(always)]
     fn start(&self) -> U {
-        Begun::start(self)
+        self.first()
     }
     #[inline(always)]
-    fn evaluate(&mut self, unknown: &U) -> Evaluation<U, ()> {
-        Begun::evaluate(self, unknown)
+    fn evaluate(&self, _: &U) {}
+    #[inline(always)]
+    fn iterate(&self, unknown: &U) -> (U, ()) {
+        (self.update(unknown), ())
     }
     #[inline(always)]
-    fn update(&self, unknown: &U, _: &Evaluation<U, ()>) -> U {
-        Begun::update(self, unknown)
-    }
-    #[inline(always)]
-    fn correction_at(&self, unknown: &U) -> U {
+    fn correction_apart(&self, unknown: &U) -> U {
         self.corrected(unknown, None).iterate
     }
 }
@@ -121,8 +116,6 @@ pub(super) struct BegunStep<'a, T: Batch, K: Kernel<T>> {
     pub(super) at: AtState<'a, T, K>,
     pub(super) time: T,
     pub(super) control: &'a K::Control,
-    /// What was evaluated last.
-    pub(super) last: Option<Evaluation<K::Unknown, K::Iterate>>,
     /// The state after the step, once it has ended.
     pub(super) next: K::State,
 }
@@ -145,39 +138,23 @@ impl<T: Batch, K: Kernel<T>> Equation<T, K::Unknown> for BegunStep<'_, T, K> {
 
 #[allow(improper_ctypes_definitions)]
 impl<T: Batch, K: Kernel<T>> Begun<T, K::Unknown> for BegunStep<'_, T, K> {
-    extern "C" fn start(&self) -> K::Unknown {
-        T::dispatch(Start(&self.at))
-    }
-
-    extern "C" fn evaluate(&mut self, unknown: &K::Unknown) -> Evaluation<K::Unknown, ()> {
-        let evaluation = self.last.insert(self.at.evaluate_apart(unknown));
-        Evaluation { residual: evaluation.residual, right: evaluation.right, iterate: () }
+    extern "C" fn first(&self) -> K::Unknown {
+        T::dispatch(First(&self.at))
     }
 
     extern "C" fn update(&self, unknown: &K::Unknown) -> K::Unknown {
-        let update = |evaluation| T::dispatch(Update { equation: &self.at, unknown, evaluation });
-        self.last.as_ref().map_or(*unknown, update)
+        T::dispatch(Update { equation: &self.at, unknown })
     }
 
-    extern "C" fn correction(&self, unknown: &K::Unknown) -> K::Unknown {
-        let correction = |evaluation| self.at.correction_apart(unknown, evaluation);
-        self.last.as_ref().map_or(*unknown, correction)
-    }
-
-    extern "C" fn finish(&mut self, unknown: &K::Unknown) -> Ended<T> {
-        let Self { at, time, control, last, next } = self;
-        // where nothing was evaluated, nothing is known
-        let Some(evaluation) = last else {
-            let none = T::Mask::splat(false);
-            return Ended { inside: none, finite: none, given: none };
-        };
-        T::dispatch(Finish { equation: at, unknown, evaluation, time: *time, control, next })
+    extern "C" fn finish(&mut self, point: &K::Unknown, unknown: &K::Unknown) -> Ended<T> {
+        let Self { at, time, control, next } = self;
+        T::dispatch(Finish { equation: at, point, unknown, time: *time, control, next })
     }
 }
 
-struct Start<'a, T: Scalar, K: Kernel<T>>(&'a AtState<'a, T, K>);
+struct First<'a, T: Scalar, K: Kernel<T>>(&'a AtState<'a, T, K>);
 
-impl<T: Batch, K: Kernel<T>> Work for Start<'_, T, K> {
+impl<T: Batch, K: Kernel<T>> Work for First<'_, T, K> {
     type CallSite = K;
     type Result = K::Unknown;
 
@@ -190,7 +167,6 @@ impl<T: Batch, K: Kernel<T>> Work for Start<'_, T, K> {
 struct Update<'a, T: Batch, K: Kernel<T>> {
     equation: &'a AtState<'a, T, K>,
     unknown: &'a K::Unknown,
-    evaluation: &'a Evaluation<K::Unknown, K::Iterate>,
 }
 
 impl<T: Batch, K: Kernel<T>> Work for Update<'_, T, K> {
@@ -199,14 +175,16 @@ impl<T: Batch, K: Kernel<T>> Work for Update<'_, T, K> {
 
     #[inline(always)]
     fn done(self) -> K::Unknown {
-        self.equation.update(self.unknown, self.evaluation)
+        let Self { equation: AtState { kernel, state, step }, unknown } = self;
+        let evaluation = self.equation.evaluate_apart(unknown);
+        kernel.fixed_point_update(state, step, unknown, &evaluation)
     }
 }
 
 struct Finish<'a, T: Batch, K: Kernel<T>> {
     equation: &'a AtState<'a, T, K>,
+    point: &'a K::Unknown,
     unknown: &'a K::Unknown,
-    evaluation: &'a Evaluation<K::Unknown, K::Iterate>,
     time: T,
     control: &'a K::Control,
     next: &'a mut K::State,
@@ -218,9 +196,10 @@ impl<T: Batch, K: Kernel<T>> Work for Finish<'_, T, K> {
 
     #[inline(always)]
     fn done(self) -> Ended<T> {
-        let Self { equation, unknown, evaluation, time, control, next } = self;
-        *next = equation.kernel.finish(equation.state, equation.step, unknown, evaluation);
-        ended(equation, unknown, evaluation, time, control, next)
+        let Self { equation, point, unknown, time, control, next } = self;
+        let evaluation = equation.evaluate_apart(point);
+        *next = equation.kernel.finish(equation.state, equation.step, unknown, &evaluation);
+        ended(equation, unknown, &evaluation, time, control, next)
     }
 }
 

@@ -16,12 +16,12 @@ use crate::scalar::{Batch, Components, Mask};
 /// rounding, or the one that was known before.
 #[inline(always)]
 pub(super) fn solve<T: Batch, U: Components<T>, E: Iterated<T, U> + ?Sized>(
-    equation: &mut E,
+    equation: &E,
     facts: &Facts<'_>,
     memory: &Memory<T, U>,
     guess: &U,
     first: Option<U>,
-) -> Solution<T, U, E::Iterate> {
+) -> Solution<T, U, E::Evaluation> {
     let Facts { blocks, convergence, .. } = *facts;
     let none = T::Mask::splat(false);
     let (mut point, mut unknown) = (*guess, *guess);
@@ -44,8 +44,7 @@ pub(super) fn solve<T: Batch, U: Components<T>, E: Iterated<T, U> + ?Sized>(
     let evaluation = loop {
         // the other lanes wait
         point = go_on::<T, _>(again, &unknown, &point);
-        let evaluation = equation.evaluate(&point);
-        let next = equation.update(&point, &evaluation);
+        let (next, evaluation) = equation.iterate(&point);
         unknown = go_on::<T, _>(again, &next, &unknown);
         round += 1;
         count::<T>(&mut iterations, again);

@@ -25,7 +25,6 @@ pub(crate) mod step;
 
 #[cfg(feature = "std")]
 use crate::error::StepError;
-use crate::kernel::Evaluation;
 #[cfg(feature = "std")]
 use crate::kernel::{AtState, Kernel};
 use crate::scalar::blocks::select;
@@ -34,12 +33,13 @@ use equation::Iterated;
 
 /// A solution of a step's equation, or what has become of the search for it.
 #[derive(Clone, Copy)]
-struct Solution<T: Batch, U, I> {
+struct Solution<T: Batch, U, V> {
     /// Where the equation was evaluated the last time.
     point: U,
     /// The unknown, so near to that that it makes no difference.
     unknown: U,
-    evaluation: Evaluation<U, I>,
+    /// What is known of that point.
+    evaluation: V,
     /// The lanes that are solved.
     solved: T::Mask,
     /// Those of them that are solved as on the fast path: alone they leave it only where it is not there.
@@ -51,11 +51,11 @@ struct Solution<T: Batch, U, I> {
     rate: T,
 }
 
-impl<T: Batch, U: Copy, I: Copy> Solution<T, U, I> {
+impl<T: Batch, U: Copy, V: Copy> Solution<T, U, V> {
     /// A value of the unknown that is nothing more yet.
     #[inline(always)]
-    fn of<E: Iterated<T, U, Iterate = I> + ?Sized>(
-        equation: &mut E,
+    fn of<E: Iterated<T, U, Evaluation = V> + ?Sized>(
+        equation: &E,
         unknown: &U,
         solved: T::Mask,
         rate: T,
@@ -63,6 +63,13 @@ impl<T: Batch, U: Copy, I: Copy> Solution<T, U, I> {
         let (point, unknown, evaluation) = (*unknown, *unknown, equation.evaluate(unknown));
         let (quick, iterations, residual) = (T::Mask::splat(false), T::all(0), T::of(0.0));
         Self { point, unknown, evaluation, solved, quick, iterations, residual, rate }
+    }
+
+    /// The same where the equation is seen through a table.
+    #[inline(always)]
+    fn without_evaluation(&self) -> Solution<T, U, ()> {
+        let Self { point, unknown, solved, quick, iterations, residual, rate, .. } = *self;
+        Solution { point, unknown, evaluation: (), solved, quick, iterations, residual, rate }
     }
 }
 

@@ -3,6 +3,7 @@
 use super::constants::{FAR, NEAR, PROGRESS, REGULAR, RESIDUAL, TOWARDS};
 use super::equation::{Begun, Facts, Iterated};
 use super::{Solution, count, go_on};
+use crate::kernel::Evaluation;
 use crate::scalar::blocks::{change, is_below, less, plus, relative, select};
 use crate::scalar::{Batch, Components, Mask, Work};
 
@@ -10,7 +11,7 @@ use crate::scalar::{Batch, Components, Mask, Work};
 /// solution, or to one that may not be the one that they lead to from the equation's own first approximation if they begin `elsewhere`, stay
 /// unsolved.
 pub(super) struct Newton<'a, T: Batch, U> {
-    pub(super) equation: &'a mut dyn Begun<T, U>,
+    pub(super) equation: &'a dyn Begun<T, U>,
     pub(super) facts: &'a Facts<'a>,
     pub(super) before: Option<&'a Solution<T, U, ()>>,
     pub(super) from: &'a U,
@@ -36,31 +37,29 @@ impl<T: Batch, U: Components<T>> Work for Newton<'_, T, U> {
         let (mut open, first_solved) = (!solved, solved);
         let (mut last, mut moved) = (T::of(FAR), T::of(1.0));
         let mut round = 0;
-        let evaluation = loop {
-            let evaluation = equation.evaluate(&point);
-            let now = relative::<T, _>(blocks, &evaluation.residual, &evaluation.right);
+        loop {
+            let Evaluation { residual: left, right, iterate: correction } = equation.corrected(&point, None);
+            let now = relative::<T, _>(blocks, &left, &right);
             let mut done = open & is_rounding(now, moved, is_true);
             residual = T::select(open, now, residual);
             let stalls = open & !done & !now.le(T::of(PROGRESS) * last);
             if stalls.any() {
                 let rounding = roundoff(equation, &point, stalls);
-                done = done | (stalls & is_below::<T, _>(blocks, &evaluation.residual, &rounding));
+                done = done | (stalls & is_below::<T, _>(blocks, &left, &rounding));
                 // relative to the terms
-                let of_terms = T::of(T::EPSILON) * relative::<T, _>(blocks, &evaluation.residual, &rounding);
+                let of_terms = T::of(T::EPSILON) * relative::<T, _>(blocks, &left, &rounding);
                 residual = T::select(stalls, of_terms, residual);
             }
             solved = solved | done;
             open = open & !done & !stalls & T::Mask::splat(round < REGULAR);
             if !open.any() {
-                break evaluation;
+                break;
             }
-            // it is rare
-            let correction = equation.correction(&point);
             (last, moved) = (now, relative::<T, _>(blocks, &correction, &point));
             point = go_on::<T, _>(open, &less(&point, &correction), &point);
             round += 1;
             count::<T>(&mut iterations, open);
-        };
+        }
         let doubtful = elsewhere & solved & !first_solved;
         if doubtful.any() {
             let start = Iterated::start(equation);
@@ -68,7 +67,7 @@ impl<T: Batch, U: Components<T>> Work for Newton<'_, T, U> {
         }
         let unknown = before.map_or(point, |before| select(first_solved, &before.unknown, &point));
         let quick = before.map_or(T::Mask::splat(false), |before| before.quick);
-        Solution { point, unknown, evaluation, solved, quick, iterations, residual, rate }
+        Solution { point, unknown, evaluation: (), solved, quick, iterations, residual, rate }
     }
 }
 
@@ -114,6 +113,6 @@ pub(super) fn is_found_from_start<T: Batch, U: Components<T>, E: Iterated<T, U> 
         return is_near;
     }
     // most are near
-    let there = less(start, &equation.correction_at(start));
+    let there = less(start, &equation.correction_apart(start));
     is_near | change::<T, _>(blocks, &there, solution).le(T::of(TOWARDS) * away)
 }

@@ -8,7 +8,7 @@ use super::predictor::{Continuation, Guess, Predictor};
 use super::rescue::{Rescue, Rescued};
 use super::{Solution, fixed_point, go_on};
 use crate::error::StepError;
-use crate::kernel::{self, AtState, Kernel, is_inside, is_surely_finite};
+use crate::kernel::{self, AtState, Evaluation, Kernel, is_inside, is_surely_finite};
 use crate::method::{AdvanceN, Advanced, Clock, Failure, Method, Outcome, StepsReport};
 use crate::scalar::blocks::{change, is_within, less, plus, select};
 use crate::scalar::simd::lanes::{Portable, Processor};
@@ -158,10 +158,11 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
         if known && const { !K::IS_LONG } && self.memory.is_regular() {
             let Self { kernel, memory } = self;
             let (step, facts) = (&kernel.begin(state, time, control), Facts::of(kernel));
-            let equation = &mut AtState { kernel: &*kernel, state, step };
+            let equation = &AtState { kernel: &*kernel, state, step };
             let guess = predicted(equation, &facts, memory);
             let solution = fixed_point::solve(equation, &facts, memory, &guess, first);
-            if let Some(advanced) = advanced(equation, &facts, memory, &solution, time, control) {
+            if let Some(advanced) = advanced::<_, _, true>(equation, &facts, memory, &solution, time, control)
+            {
                 return Ok(advanced);
             }
         }
@@ -335,12 +336,21 @@ impl<T: Batch, K: Kernel<T>> Work for Slow<'_, T, K> {
         if !known {
             memory.forget();
         }
-        let step = &kernel.begin(state, time, control);
+        let (step, facts) = (&kernel.begin(state, time, control), Facts::of(kernel));
         let at = AtState { kernel: &*kernel, state, step };
-        let mut begun = BegunStep { at, time, control, last: None, next: *state };
-        let facts = Facts::of(kernel);
+        let mut before = None;
+        // one step alone: numbers stay in registers; in lanes there are too few
+        if const { T::LANES == 1 && K::Unknown::LENGTH > 0 } && memory.tries().any() {
+            let guess = guess(&at, &facts, memory);
+            let solution = fixed_point::solve(&at, &facts, memory, &guess, first);
+            if let Some(advanced) = advanced::<_, _, false>(&at, &facts, memory, &solution, time, control) {
+                return Ok(advanced);
+            }
+            before = Some((guess, solution.without_evaluation()));
+        }
+        let mut begun = BegunStep { at, time, control, next: *state };
         let Taken { errors, iterations, residual } =
-            T::dispatch(SlowPath { equation: &mut begun, facts, memory, first });
+            T::dispatch(SlowPath { equation: &mut begun, facts, memory, first, before });
         let advanced = Advanced { state: begun.next, iterations, residual };
         match errors {
             None => Ok(advanced),
@@ -355,6 +365,8 @@ struct SlowPath<'a, T: Batch, U> {
     facts: Facts<'a>,
     memory: &'a mut Memory<T, U>,
     first: Option<U>,
+    /// Iterations that were made, with where they began.
+    before: Option<(U, Solution<T, U, ()>)>,
 }
 
 /// A step that was taken so, or was not.
@@ -372,11 +384,14 @@ impl<T: Batch, U: Components<T>> Work for SlowPath<'_, T, U> {
 
     #[inline(always)]
     fn done(self) -> Taken<T> {
-        let Self { equation, ref facts, memory, mut first } = self;
+        let Self { equation, ref facts, memory, mut first, before: mut made } = self;
         let (mut unsolved, mut aside) = (None, None);
         let mut solution = loop {
-            let (begin, mut before) = (guess(equation, facts, memory), None);
-            if const { U::LENGTH > 0 } && memory.tries().any() {
+            let (begin, mut before) = match made.take() {
+                Some((begin, before)) => (begin, Some(before)),
+                None => (guess(equation, facts, memory), None),
+            };
+            if const { U::LENGTH > 0 } && before.is_none() && memory.tries().any() {
                 before = Some(fixed_point::solve(equation, facts, memory, &begin, first));
             }
             let solution = match before {
@@ -385,7 +400,7 @@ impl<T: Batch, U: Components<T>> Work for SlowPath<'_, T, U> {
                 _ => by_newton(equation, facts, memory, begin, before),
             };
             let solution = match unsolved {
-                Some(unsolved) => completed(equation, &unsolved, &solution),
+                Some(unsolved) => completed(&unsolved, &solution),
                 None => solution,
             };
             if solution.solved.all() || !memory.predictor.remembers() {
@@ -400,7 +415,7 @@ impl<T: Batch, U: Components<T>> Work for SlowPath<'_, T, U> {
         let (mut errors, mut is_rescued) = (T::all(None), false);
         loop {
             let Solution { iterations, residual, solved, .. } = solution;
-            let Ended { inside, finite, given } = equation.finish(&solution.unknown);
+            let Ended { inside, finite, given } = equation.finish(&solution.point, &solution.unknown);
             let good = solved & inside & finite;
             if !good.all() && !is_rescued {
                 errors = rescue(equation, facts, &mut solution, given & !good);
@@ -429,16 +444,16 @@ impl<T: Batch, U: Components<T>> Work for SlowPath<'_, T, U> {
 
 /// Where the search for a solution begins.
 #[inline(always)]
-fn guess<T: Batch, U: Components<T>>(
-    equation: &dyn Begun<T, U>,
+fn guess<T: Batch, U: Components<T>, E: Iterated<T, U> + ?Sized>(
+    equation: &E,
     facts: &Facts<'_>,
     memory: &Memory<T, U>,
 ) -> U {
     match memory.predictor.remembers() {
-        true if memory.is_due() && facts.convergence.is_newton() => Iterated::start(equation),
+        true if memory.is_due() && facts.convergence.is_newton() => equation.start(),
         true if memory.is_due() => memory.predictor.latest(),
         true => predicted(equation, facts, memory),
-        false => Iterated::start(equation),
+        false => equation.start(),
     }
 }
 
@@ -456,7 +471,7 @@ fn predicted<T: Batch, U: Components<T>, E: Iterated<T, U> + ?Sized>(
 /// The solution by Newton's method, in the lanes in which fixed-point iterations did not lead to one.
 #[inline(always)]
 fn by_newton<T: Batch, U: Components<T>>(
-    equation: &mut dyn Begun<T, U>,
+    equation: &dyn Begun<T, U>,
     facts: &Facts<'_>,
     memory: &Memory<T, U>,
     from: U,
@@ -481,7 +496,6 @@ fn by_newton<T: Batch, U: Components<T>>(
 /// A solution that was found in some lanes, completed by another one in the others.
 #[inline(always)]
 fn completed<T: Batch, U: Components<T>>(
-    equation: &mut dyn Begun<T, U>,
     before: &Solution<T, U, ()>,
     other: &Solution<T, U, ()>,
 ) -> Solution<T, U, ()> {
@@ -491,7 +505,6 @@ fn completed<T: Batch, U: Components<T>>(
     let (known, mut completed) = (before.solved, *before);
     completed.unknown = select(known, &before.unknown, &other.unknown);
     completed.point = select(known, &before.point, &other.point);
-    completed.evaluation = Iterated::evaluate(equation, &completed.point);
     completed.residual = T::select(known, before.residual, other.residual);
     completed.rate = T::select(known, before.rate, other.rate);
     completed.quick = known & before.quick;
@@ -509,7 +522,7 @@ fn completed<T: Batch, U: Components<T>>(
 /// Solves the lanes that are `wanted` once more, from nothing that is remembered. Returns what is wrong with them.
 #[inline(always)]
 fn rescue<T: Batch, U: Components<T>>(
-    equation: &mut dyn Begun<T, U>,
+    equation: &dyn Begun<T, U>,
     facts: &Facts<'_>,
     solution: &mut Solution<T, U, ()>,
     wanted: T::Mask,
@@ -518,7 +531,7 @@ fn rescue<T: Batch, U: Components<T>>(
     let (mut errors, mut failed, mut lane) = (T::all(None), T::of(0.0), 0);
     while lane < T::LANES {
         if wanted.lane(lane) {
-            match T::dispatch(Rescue { equation: &*equation, blocks: facts.blocks, start, lane }) {
+            match T::dispatch(Rescue { equation, blocks: facts.blocks, start, lane }) {
                 Ok(Rescued { unknown, residual, evaluations }) => {
                     let mut k = 0;
                     while k < U::LENGTH {
@@ -537,7 +550,6 @@ fn rescue<T: Batch, U: Components<T>>(
         lane += 1;
     }
     solution.point = select(wanted, &solution.unknown, &solution.point);
-    solution.evaluation = Iterated::evaluate(equation, &solution.point);
     solution.quick = solution.quick & !wanted;
     solution.solved = (solution.solved | wanted) & failed.le(T::of(0.0));
     errors
@@ -546,11 +558,11 @@ fn rescue<T: Batch, U: Components<T>>(
 /// Where a step has led to, if its equation is solved in all lanes and nothing is wrong. What it learns of the step is
 /// compiled in line, a twentieth of the instructions of steps with two iterations, in one place of each kernel.
 #[inline(always)]
-fn advanced<T: Batch, K: Kernel<T>>(
+fn advanced<T: Batch, K: Kernel<T>, const IN_LINE: bool>(
     equation: &AtState<'_, T, K>,
     facts: &Facts<'_>,
     memory: &mut Memory<T, K::Unknown>,
-    solution: &Solution<T, K::Unknown, K::Iterate>,
+    solution: &Solution<T, K::Unknown, Evaluation<K::Unknown, K::Iterate>>,
     time: T,
     control: &K::Control,
 ) -> Option<Advanced<T, K::State>> {
@@ -563,7 +575,33 @@ fn advanced<T: Batch, K: Kernel<T>>(
     if !(inside & finite).all() {
         return None;
     }
-    memory.learn(facts, || equation.start(), unknown, *quick, *rate);
+    let learn = Learn { equation, facts, memory, solution: unknown, quick: *quick, rate: *rate };
+    if const { IN_LINE || K::IS_LONG } {
+        learn.done()
+    } else {
+        T::dispatch(learn)
+    }
     let (iterations, residual) = (*iterations, *residual);
     Some(Advanced { state: next, iterations, residual })
+}
+
+/// Remembers a step that needed more than one iteration: compiled once for nearly all ways that lead to one, for it is long.
+struct Learn<'a, T: Batch, K: Kernel<T>> {
+    equation: &'a AtState<'a, T, K>,
+    facts: &'a Facts<'a>,
+    memory: &'a mut Memory<T, K::Unknown>,
+    solution: &'a K::Unknown,
+    quick: T::Mask,
+    rate: T,
+}
+
+impl<T: Batch, K: Kernel<T>> Work for Learn<'_, T, K> {
+    type CallSite = K;
+    type Result = ();
+
+    #[inline(always)]
+    fn done(self) {
+        let Self { equation, facts, memory, solution, quick, rate } = self;
+        memory.learn(facts, || equation.start(), solution, quick, rate);
+    }
 }
