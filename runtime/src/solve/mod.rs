@@ -10,6 +10,8 @@
 //! 4. the [rescue](rescue), a lane at a time: damped corrections and continuation, from nothing that is remembered;
 //! 5. acceptance: the next state, inside the retraction's domain, and finite.
 //!
+//! The first two are compiled for each kernel, the others once for all kernels with as many unknowns, through a table ([`equation`]).
+//!
 //! A step is solved when its residual is what rounding leaves of the terms that it is made of, however they cancel. Mostly that is seen from the
 //! size of its right side; where it is not, the residual is evaluated once more over numbers that carry their errors
 //! ([`Equation::roundoff`](crate::kernel::Equation::roundoff)). What is [remembered](memory) saves time, and nothing else.
