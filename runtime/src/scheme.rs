@@ -54,6 +54,7 @@ pub trait Base: 'static {
 }
 
 /// A method, as it is written, and what its steps promise.
+#[cfg(feature = "std")]
 pub(crate) struct MethodRow {
     /// Its name, that of its type.
     pub name: &'static str,
@@ -83,6 +84,7 @@ impl MethodRow {
 }
 
 /// The steps of a method.
+#[cfg(feature = "std")]
 pub(crate) enum Rules {
     /// By the share of the step before the intermediate point; some have names of their own, those of types.
     Share {
@@ -101,6 +103,7 @@ pub(crate) enum Rules {
 }
 
 /// What tells the steps of a method from each other.
+#[cfg(feature = "std")]
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Parameter {
     /// The share `numerator/denominator` of the step before the intermediate point.
@@ -143,6 +146,7 @@ macro_rules! methods {
 
         impl Rule {
             /// What its method is, and its parameter.
+            #[cfg(feature = "std")]
             pub(crate) const fn row(self) -> (&'static MethodRow, Parameter) {
                 match self {
                     $(Self::$share(numerator, denominator) => {
@@ -170,6 +174,7 @@ macro_rules! methods {
             }
 
             /// The methods.
+            #[cfg(feature = "std")]
             pub(crate) const METHODS: [&MethodRow; [$(stringify!($share),)* $(stringify!($order)),*].len()] =
                 [$(Self::$share(0, 1).row().0,)* $(Self::$order($usual).row().0),*];
 

@@ -215,15 +215,29 @@ impl Tracker {
         has_series: bool,
     ) -> Result<(), StepError> {
         let largest = self.points().iter().fold(0.0_f64, |largest, point| largest.max(point.value.abs()));
-        self.rounding = if largest.is_finite() { 4.0 * f64::EPSILON * largest } else { 0.0 };
+        self.rounding = rounding(largest);
         self.passed = 0;
         if self.side.is_none() {
             self.leave_zero(function)?;
         }
         if self.count > 2 && !has_series {
             self.refine(function, largest)?;
+            self.leave_out();
         }
         self.seek(function, tolerance)
+    }
+
+    /// Leaves out what lies within the step where the quantity changes its sign once, or not at all: the zero is sought between the ends then, as
+    /// where nothing within was to be looked at. A run that goes on from where it was saved, and knows no values before, finds it at the same bits.
+    fn leave_out(&mut self) {
+        let points = self.points();
+        let [first, .., last] = *points else { return };
+        let are_sure = points.iter().all(|point| point.value.abs() > self.rounding);
+        let changes = points.windows(2).filter(|pair| (pair[0].value > 0.0) != (pair[1].value > 0.0)).count();
+        if are_sure && changes <= 1 {
+            self.rounding = rounding(first.value.abs().max(last.value.abs()));
+            (self.points[1], self.count) = (last, 2);
+        }
     }
 
     /// To which side it goes that starts from zero, be it that it comes back before the next point.
@@ -365,6 +379,11 @@ impl Tracker {
         let value = if self.side.is_none() && !last.value.is_nan() { 0.0 } else { last.value };
         self.push(Point { at: 0.0, value });
     }
+}
+
+/// What no value is told from zero by, where the largest one is this.
+fn rounding(largest: f64) -> f64 {
+    if largest.is_finite() { 4.0 * f64::EPSILON * largest } else { 0.0 }
 }
 
 /// Whether a number is positive; none if it is zero, but for rounding, or no number.

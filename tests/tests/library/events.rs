@@ -380,6 +380,40 @@ fn events_of_a_top_are_those_of_closures() {
     }
 }
 
+/// After a run was saved and goes on, its first steps know no values of the quantity before: their zeros are the same to the last bit.
+#[test]
+fn zeros_are_the_same_after_a_run_was_saved() {
+    let top = Top { inertia: vector![1.0, 10.0, 100.0], weight: 1.0, chi: vector![0.3, 0.2, 1.0] };
+    let start = TopState {
+        attitude: UnitQuaternion::identity(),
+        momentum: vector![1.0, 1.0, 1.0],
+        gamma: Vector3::z(),
+    };
+    let zeros = |state: &mut TopState, stepper: &mut coadjoint::Stepper<Top, Exponential>, steps: u64| {
+        let mut found = Vec::new();
+        let run = Run::new(stepper, state);
+        let run = run.event(Event::any(), |state, _| state.gamma.x, |event| found.push(event.time()));
+        run.steps(steps).unwrap();
+        found
+    };
+    let (mut state, mut stepper) = (start, top.stepper::<Exponential>(0.02).unwrap());
+    let whole = zeros(&mut state, &mut stepper, 100_000);
+    assert!(whole.len() > 50, "{}", whole.len());
+    let (mut state, mut stepper) = (start, top.stepper::<Exponential>(0.02).unwrap());
+    let mut compared = 0;
+    for zero in &whole {
+        // the step with the zero is the first one after the run was saved
+        let before = (zero / 0.02).floor() as u64;
+        let steps = before - stepper.steps_taken();
+        Run::new(&mut stepper, &mut state).steps(steps).unwrap();
+        let (mut state, mut resumed) = (state, top.stepper::<Exponential>(0.02).unwrap());
+        resumed.restore(&stepper.snapshot()).unwrap();
+        assert_eq!(zeros(&mut state, &mut resumed, 1), [*zero]);
+        compared += 1;
+    }
+    assert_eq!(compared, whole.len());
+}
+
 #[test]
 fn what_an_event_changes_acts_from_there_on() {
     let ball = Ball { mass: 0.1, gravity: 10.0 };
