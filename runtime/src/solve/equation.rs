@@ -39,8 +39,6 @@ pub(super) trait Iterated<T, U> {
     type Evaluation: Copy;
     /// See [`Kernel::start`].
     fn start(&self) -> U;
-    /// See [`Kernel::evaluate`].
-    fn evaluate(&self, unknown: &U) -> Self::Evaluation;
     /// See [`Kernel::fixed_point_update`], and the evaluation that it is of.
     fn iterate(&self, unknown: &U) -> (U, Self::Evaluation);
     /// The Newton correction at an unknown, where it is seldom asked for.
@@ -53,10 +51,6 @@ impl<T: Batch, K: Kernel<T>> Iterated<T, K::Unknown> for AtState<'_, T, K> {
     #[inline(always)]
     fn start(&self) -> K::Unknown {
         self.kernel.start(self.state, self.step)
-    }
-    #[inline(always)]
-    fn evaluate(&self, unknown: &K::Unknown) -> Self::Evaluation {
-        self.kernel.evaluate(self.state, self.step, unknown)
     }
     #[inline(always)]
     fn iterate(&self, unknown: &K::Unknown) -> (K::Unknown, Self::Evaluation) {
@@ -99,8 +93,6 @@ impl<T: Batch, U> Iterated<T, U> for dyn Begun<T, U> + '_ {
     fn start(&self) -> U {
         self.first()
     }
-    #[inline(always)]
-    fn evaluate(&self, _: &U) {}
     #[inline(always)]
     fn iterate(&self, unknown: &U) -> (U, ()) {
         (self.update(unknown), ())

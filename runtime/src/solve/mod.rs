@@ -10,7 +10,8 @@
 //! 4. the [rescue](rescue), a lane at a time: damped corrections and continuation, from nothing that is remembered;
 //! 5. acceptance: the next state, inside the retraction's domain, and finite.
 //!
-//! The first two are compiled for each kernel, the others once for all kernels with as many unknowns, through a table ([`equation`]).
+//! The first, and the second of one step alone, are compiled for each kernel; all else once for all kernels with as many unknowns, through a table
+//! ([`equation`]).
 //!
 //! A step is solved when its residual is what rounding leaves of the terms that it is made of, however they cancel. Mostly that is seen from the
 //! size of its right side; where it is not, the residual is evaluated once more over numbers that carry their errors
@@ -31,7 +32,6 @@ use crate::error::StepError;
 use crate::kernel::{AtState, Kernel};
 use crate::scalar::blocks::select;
 use crate::scalar::{Batch, Components, Mask};
-use equation::Iterated;
 
 /// A solution of a step's equation, or what has become of the search for it.
 #[derive(Clone, Copy)]
@@ -53,20 +53,7 @@ struct Solution<T: Batch, U, V> {
     rate: T,
 }
 
-impl<T: Batch, U: Copy, V: Copy> Solution<T, U, V> {
-    /// A value of the unknown that is nothing more yet.
-    #[inline(always)]
-    fn of<E: Iterated<T, U, Evaluation = V> + ?Sized>(
-        equation: &E,
-        unknown: &U,
-        solved: T::Mask,
-        rate: T,
-    ) -> Self {
-        let (point, unknown, evaluation) = (*unknown, *unknown, equation.evaluate(unknown));
-        let (quick, iterations, residual) = (T::Mask::splat(false), T::all(0), T::of(0.0));
-        Self { point, unknown, evaluation, solved, quick, iterations, residual, rate }
-    }
-
+impl<T: Batch, U: Copy, V> Solution<T, U, V> {
     /// The same where the equation is seen through a table.
     #[inline(always)]
     fn without_evaluation(&self) -> Solution<T, U, ()> {

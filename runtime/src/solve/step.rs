@@ -478,7 +478,17 @@ fn by_newton<T: Batch, U: Components<T>>(
     before: Option<Solution<T, U, ()>>,
 ) -> Solution<T, U, ()> {
     if const { U::LENGTH == 0 } {
-        return Solution::of(equation, &from, T::Mask::splat(true), memory.rate);
+        let (all, none, residual) = (T::Mask::splat(true), T::Mask::splat(false), T::of(0.0));
+        return Solution {
+            point: from,
+            unknown: from,
+            evaluation: (),
+            solved: all,
+            quick: none,
+            iterations: T::all(0),
+            residual,
+            rate: memory.rate,
+        };
     }
     let (mut elsewhere, mut rate) = (T::Mask::splat(memory.predictor.remembers()), memory.rate);
     let mut from = from;
