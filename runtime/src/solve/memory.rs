@@ -176,9 +176,10 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
     }
 
     /// Remembers a step that was not taken on the fast path: its solution, and the rate of contraction as it was seen.
-    /// Lanes that are solved as `quick` as there learn no more than there.
+    /// Lanes that are solved as `quick` as there learn no more than there. It is compiled `IN_LINE`, or once for all kernels with as many
+    /// unknowns.
     #[inline(always)]
-    pub(super) fn learn(
+    pub(super) fn learn<const IN_LINE: bool>(
         &mut self,
         facts: &Facts<'_>,
         start: impl FnOnce() -> U,
@@ -201,7 +202,7 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
             self.due -= 1;
         }
         let start = facts.convergence.is_newton().then(start);
-        self.predictor.learn(facts.by, facts.blocks, start.as_ref(), solution, quick);
+        self.predictor.learn::<IN_LINE>(facts.by, facts.blocks, start.as_ref(), solution, quick);
         self.settle();
     }
 

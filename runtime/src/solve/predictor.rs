@@ -33,7 +33,7 @@ use crate::scalar::rows::{Formula, Piece, Row, computed};
 use crate::scalar::simd::lanes::{Portable, Processor};
 #[cfg(feature = "dynamic")]
 use crate::scalar::simd::march::Remembered;
-use crate::scalar::{Batch, Components, Mask, Scalar};
+use crate::scalar::{Batch, Components, Mask, Scalar, Work};
 
 /// How many solutions are kept: a power of two, so that places are found by a mask.
 pub(super) const WINDOW: usize = 16;
@@ -223,8 +223,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
 
     /// Chooses the weights that would have led nearer to this solution, in some lanes.
     #[inline(always)]
-    fn choose(&mut self, blocks: &[usize], solution: &U, wanted: T::Mask) {
-        let sizes = &weights::<T, _>(blocks, solution);
+    fn choose(&mut self, sizes: &U, solution: &U, wanted: T::Mask) {
         let by_calm = self.by_all(Continuation::Chosen, &all_of(CALM));
         let by_usual = self.by_all(Continuation::Chosen, &all_of(WEIGHTS));
         let calm = weighted::<T, _>(sizes, &by_calm, solution);
@@ -271,11 +270,9 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         self.oldest = oldest;
     }
 
-    /// Takes one more solution, whatever there is. Where a few of the earlier solutions predict it better than all, as
-    /// where a control has jumped, the others are forgotten. What one lane learns, others beside it make no difference
-    /// to: where all were of use and the step was as `quick` as on the fast path, it would have been taken there.
+    /// Takes one more solution, whatever there is: `IN_LINE`, or by a call.
     #[inline(always)]
-    pub(super) fn learn(
+    pub(super) fn learn<const IN_LINE: bool>(
         &mut self,
         by: Continuation,
         blocks: &[usize],
@@ -283,51 +280,29 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         solution: &U,
         quick: T::Mask,
     ) {
-        let from_start = |apart: &U| start.map_or(*apart, |start| plus(start, T::of(1.0), apart));
         let kept = start.map_or(*solution, |start| less(solution, start));
         if start.is_some() {
             self.note(solution);
         }
-        let [one, low, full] = [1.0, LOW as f64, WINDOW as f64].map(T::of);
         if !self.remembers() {
             self.learn_first(&kept);
             return;
         }
-        let next = from_start(&self.next);
-        let small = T::of(SMALL * T::EPSILON);
-        let mut is_near = T::Mask::splat(false);
-        if self.is_full || const { T::LANES > 1 } {
-            let is_full = self.are_all(by);
-            let is_quick = is_full & quick;
-            if by == Continuation::Chosen {
-                self.choose(blocks, solution, is_full & !quick);
-            }
-            is_near = is_quick | (is_full & is_within::<T, _>(blocks, &next, solution, small));
-            if is_near.all() {
-                let weights = self.weights(by);
-                let begun = self.begun::<Portable>(self.oldest, by, &weights);
-                self.push(&kept);
-                self.next = Self::then(&begun, &kept, by, &weights);
-                return;
-            }
-        }
-        let weights = &weights::<T, _>(blocks, solution);
-        let off = weighted::<T, _>(weights, &next, solution);
-        let before = self.count;
-        // by one solution alone large steps are off by as much, and the motion shows by two
-        let is_first = T::Mask::splat(by == Continuation::Eighth) & before.lt(T::of(2.0));
-        let is_of_use = is_first | off.le(T::of(LOST));
-        let known = T::select(is_of_use, before, T::of(0.0));
-        self.count = T::select(known.lt(full), known + one, known);
-        let is_long = low.lt(known);
-        if is_long.any() {
-            let by_few = from_start(&self.through(low));
-            let is_jump = is_long & small.lt(off) & weighted::<T, _>(weights, &by_few, solution).lt(off);
-            self.count = T::select(is_jump, low, self.count);
-        }
-        self.count = T::select(is_near, before, self.count);
-        self.push(&kept);
-        self.predict(by);
+        let next = from_start(start, &self.next);
+        let is_near = is_within::<T, _>(blocks, &next, solution, T::of(SMALL * T::EPSILON));
+        let sizes = &weights::<T, _>(blocks, solution);
+        let (kept, next) = (&kept, &next);
+        let learn = Learn { predictor: self, by, start, solution, kept, next, is_near, sizes, quick };
+        if const { IN_LINE } { learn.learned::<IN_LINE>(by) } else { T::dispatch(learn) }
+    }
+
+    /// Takes one more solution where all before are of use, and pointed to it.
+    #[inline(always)]
+    fn learn_next(&mut self, kept: &U, by: Continuation) {
+        let weights = self.weights(by);
+        let begun = self.begun::<Portable>(self.oldest, by, &weights);
+        self.push(kept);
+        self.next = Self::then(&begun, kept, by, &weights);
     }
 
     /// Takes the first solution after a state that no step has led to: there is nothing to compare it with.
@@ -358,8 +333,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     /// The next solution from the polynomial through so many of the latest, up to [`THROUGH`].
     #[inline(always)]
     fn through(&self, points: T) -> U {
-        let (mut sum, mut weight) = (U::splat(T::of(0.0)), T::of(-1.0));
-        let mut j = 1;
+        let (mut sum, mut weight, mut j) = (U::splat(T::of(0.0)), T::of(-1.0), 1);
         while j <= THROUGH {
             // of one solution more than there are points it is zero, and what stands there is not read
             weight = weight * ((T::of(j as f64 - 1.0) - points) * T::of(1.0 / j as f64));
@@ -392,6 +366,87 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         } else {
             self.is_full = false;
         }
+    }
+}
+
+/// Takes one more solution, whatever there is: once for all kernels with as many unknowns.
+struct Learn<'a, T: Batch, U> {
+    predictor: &'a mut Predictor<T, U>,
+    by: Continuation,
+    start: Option<&'a U>,
+    solution: &'a U,
+    /// What is kept of it.
+    kept: &'a U,
+    /// The solution as it was predicted.
+    next: &'a U,
+    /// Whether that was off by rounding.
+    is_near: T::Mask,
+    /// The [weights] of the solution.
+    sizes: &'a U,
+    quick: T::Mask,
+}
+
+impl<T: Batch, U: Components<T>> Work for Learn<'_, T, U> {
+    type CallSite = ();
+    type Result = ();
+
+    #[inline(always)]
+    fn done(self) {
+        // what the compiler knows of them saves a third
+        match self.by {
+            Continuation::Eighth => self.learned::<false>(Continuation::Eighth),
+            Continuation::Odd => self.learned::<false>(Continuation::Odd),
+            Continuation::Chosen => self.learned::<false>(Continuation::Chosen),
+        }
+    }
+}
+
+impl<T: Batch, U: Components<T>> Learn<'_, T, U> {
+    /// Where a few of the earlier solutions predict it better than all, as where a control has jumped, the others are forgotten. What one lane
+    /// learns, others beside it make no difference to: where all were of use and the step was as `quick` as on the fast path, it would have been
+    /// taken there.
+    #[inline(always)]
+    fn learned<const IN_LINE: bool>(self, by: Continuation) {
+        let Self { predictor, start, solution, kept, next, sizes, quick, .. } = self;
+        let mut is_near = T::Mask::splat(false);
+        if predictor.is_full || const { T::LANES > 1 } {
+            let is_full = predictor.are_all(by);
+            if by == Continuation::Chosen {
+                predictor.choose(sizes, solution, is_full & !quick);
+            }
+            is_near = is_full & (quick | self.is_near);
+            if is_near.all() {
+                predictor.learn_next(kept, by);
+                return;
+            }
+        }
+        let off = weighted::<T, _>(sizes, next, solution);
+        let [one, low, full] = [1.0, LOW as f64, WINDOW as f64].map(T::of);
+        let before = predictor.count;
+        // by one solution alone large steps are off by as much, and the motion shows by two
+        let is_first = T::Mask::splat(by == Continuation::Eighth) & before.lt(T::of(2.0));
+        let is_of_use = is_first | off.le(T::of(LOST));
+        let known = T::select(is_of_use, before, T::of(0.0));
+        predictor.count = T::select(known.lt(full), known + one, known);
+        let is_long = low.lt(known);
+        if is_long.any() {
+            let by_few = from_start(start, &predictor.through(low));
+            let small = T::of(SMALL * T::EPSILON);
+            let is_jump = is_long & small.lt(off) & weighted::<T, _>(sizes, &by_few, solution).lt(off);
+            predictor.count = T::select(is_jump, low, predictor.count);
+        }
+        predictor.count = T::select(is_near, before, predictor.count);
+        predictor.push(kept);
+        predictor.predict(by);
+    }
+}
+
+/// The solution of which this is kept.
+#[inline(always)]
+fn from_start<T: Batch, U: Components<T>>(start: Option<&U>, kept: &U) -> U {
+    match start {
+        Some(start) => plus(start, T::of(1.0), kept),
+        None => *kept,
     }
 }
 
@@ -519,7 +574,7 @@ mod tests {
         solutions: impl IntoIterator<Item = f64>,
     ) {
         for x in solutions {
-            predictor.learn(by, &[1], None, &[x], false);
+            predictor.learn::<false>(by, &[1], None, &[x], false);
             assert_eq!(predictor.latest(), [x], "{predictor:?}");
         }
     }

@@ -232,16 +232,15 @@ impl<S: PowerSeries, T: Batch> Rows<S, T> {
             for (number, x) in numbers.iter_mut().zip(&lanes.as_ref()[at + n * W..][..W]) {
                 *number = x.lane(0);
             }
-            P::doubles(&numbers)
+            numbers
         };
-        let mut sum = [P::doubles(&[T::Number::of(0.0); W]); N];
+        let mut sum = [[T::Number::of(0.0); W]; N];
         self.terms(k, |a, b| {
             for (n, sum) in sum.iter_mut().enumerate() {
-                *sum = P::mul_add(load(a, n), load(b, n), *sum);
+                *sum = P::mul_add(&load(a, n), &load(b, n), sum);
             }
         });
-        for (n, sum) in sum.into_iter().enumerate() {
-            let numbers = P::numbers::<T::Number, W>(sum);
+        for (n, numbers) in sum.into_iter().enumerate() {
             for (sum, number) in sums.as_mut()[at + n * W..][..W].iter_mut().zip(numbers) {
                 sum.set_lane(0, number);
             }

@@ -16,52 +16,44 @@ pub(crate) struct Lanes<X, const N: usize, P: Processor>([X; N], P::Alignment);
 /// A kind of processor, with instructions on registers of doubles.
 pub trait Processor: Copy + PartialEq + core::fmt::Debug + Send + Sync + 'static {
     /// Something without size that is aligned as the processor's registers are wide.
-    type Alignment: Copy + PartialEq + core::fmt::Debug + Default + Send + Sync + 'static;
-    /// A register, or a few of them; of doubles, or of truths as large as these.
-    type Vector: Copy;
-    /// How many doubles there are in one; 0 if there are no instructions to be named.
+    type Alignment: Copy + PartialEq + core::fmt::Debug + Send + Sync + 'static;
+    /// The one there is.
+    const ALIGNMENT: Self::Alignment;
+    /// How many doubles there are in a register; 0 if there are no instructions to be named.
     const DOUBLES: usize;
     /// Whether there are instructions for four doubles, too, and for [`fma`](Self::fma).
     const FOURS: bool = false;
 
     /// Does the work in a function of its own, compiled for this kind.
     fn dispatch<W: Work>(work: W) -> W::Result;
-    /// So many doubles.
-    fn doubles<X: Real, const N: usize>(numbers: &[X; N]) -> Self::Vector;
-    /// As an array.
-    fn numbers<X: Real, const N: usize>(doubles: Self::Vector) -> [X; N];
-    /// So many truths.
-    fn mask<const N: usize>(truths: &[u64; N]) -> Self::Vector;
-    /// As an array.
-    fn truths<const N: usize>(mask: Self::Vector) -> [u64; N];
     /// `a + b`
-    fn add(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    fn add<X: Real, const N: usize>(a: &[X; N], b: &[X; N]) -> [X; N];
     /// `a − b`
-    fn sub(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    fn sub<X: Real, const N: usize>(a: &[X; N], b: &[X; N]) -> [X; N];
     /// `a b`
-    fn mul(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    fn mul<X: Real, const N: usize>(a: &[X; N], b: &[X; N]) -> [X; N];
     /// `a b + c`, as [`Scalar::mul_add`].
-    fn mul_add(a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
+    fn mul_add<X: Real, const N: usize>(a: &[X; N], b: &[X; N], c: &[X; N]) -> [X; N];
     /// `−a b + c`, as [`Scalar::neg_mul_add`].
-    fn neg_mul_add(a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
+    fn neg_mul_add<X: Real, const N: usize>(a: &[X; N], b: &[X; N], c: &[X; N]) -> [X; N];
     /// Whether there is an instruction for [`fma`](Self::fma).
     const FUSES: bool;
     /// `a b + c`, rounded once, if there [is](Self::FUSES) an instruction for it.
-    fn fma(a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
+    fn fma<X: Real, const N: usize>(a: &[X; N], b: &[X; N], c: &[X; N]) -> [X; N];
     /// `a / b`
-    fn div(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    fn div<X: Real, const N: usize>(a: &[X; N], b: &[X; N]) -> [X; N];
     /// `−a`
-    fn neg(a: Self::Vector) -> Self::Vector;
+    fn neg<X: Real, const N: usize>(a: &[X; N]) -> [X; N];
     /// `|a|`
-    fn abs(a: Self::Vector) -> Self::Vector;
+    fn abs<X: Real, const N: usize>(a: &[X; N]) -> [X; N];
     /// `√a`
-    fn sqrt(a: Self::Vector) -> Self::Vector;
+    fn sqrt<X: Real, const N: usize>(a: &[X; N]) -> [X; N];
     /// `a ≤ b`
-    fn le(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    fn le<X: Real, const N: usize>(a: &[X; N], b: &[X; N]) -> [u64; N];
     /// `a < b`
-    fn lt(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    fn lt<X: Real, const N: usize>(a: &[X; N], b: &[X; N]) -> [u64; N];
     /// `yes` where the mask is true, `no` elsewhere.
-    fn select(mask: Self::Vector, yes: Self::Vector, no: Self::Vector) -> Self::Vector;
+    fn select<X: Real, const N: usize>(mask: &[u64; N], yes: &[X; N], no: &[X; N]) -> [X; N];
 }
 
 /// Any processor that the program was built for.
@@ -72,41 +64,59 @@ pub(crate) struct Portable;
 #[cfg(not(all(feature = "std", target_arch = "x86_64")))]
 impl Processor for Portable {
     type Alignment = ();
-    type Vector = ();
+    const ALIGNMENT: () = ();
     const DOUBLES: usize = 0;
 
     #[inline(always)]
     fn dispatch<W: Work>(work: W) -> W::Result {
         W::CallSite::portable(work)
     }
-    fn doubles<X: Real, const N: usize>(_: &[X; N]) {}
-    fn numbers<X: Real, const N: usize>((): ()) -> [X; N] {
-        [X::of(0.0); N]
+    const FUSES: bool = false;
+    fn add<X: Real, const N: usize>(a: &[X; N], _: &[X; N]) -> [X; N] {
+        *a
     }
-    fn mask<const N: usize>(_: &[u64; N]) {}
-    fn truths<const N: usize>((): ()) -> [u64; N] {
+    fn sub<X: Real, const N: usize>(a: &[X; N], _: &[X; N]) -> [X; N] {
+        *a
+    }
+    fn mul<X: Real, const N: usize>(a: &[X; N], _: &[X; N]) -> [X; N] {
+        *a
+    }
+    fn mul_add<X: Real, const N: usize>(a: &[X; N], _: &[X; N], _: &[X; N]) -> [X; N] {
+        *a
+    }
+    fn neg_mul_add<X: Real, const N: usize>(a: &[X; N], _: &[X; N], _: &[X; N]) -> [X; N] {
+        *a
+    }
+    fn fma<X: Real, const N: usize>(a: &[X; N], _: &[X; N], _: &[X; N]) -> [X; N] {
+        *a
+    }
+    fn div<X: Real, const N: usize>(a: &[X; N], _: &[X; N]) -> [X; N] {
+        *a
+    }
+    fn neg<X: Real, const N: usize>(a: &[X; N]) -> [X; N] {
+        *a
+    }
+    fn abs<X: Real, const N: usize>(a: &[X; N]) -> [X; N] {
+        *a
+    }
+    fn sqrt<X: Real, const N: usize>(a: &[X; N]) -> [X; N] {
+        *a
+    }
+    fn le<X: Real, const N: usize>(_: &[X; N], _: &[X; N]) -> [u64; N] {
         [0; N]
     }
-    fn add((): (), (): ()) {}
-    fn sub((): (), (): ()) {}
-    fn mul((): (), (): ()) {}
-    fn mul_add((): (), (): (), (): ()) {}
-    fn neg_mul_add((): (), (): (), (): ()) {}
-    const FUSES: bool = false;
-    fn fma((): (), (): (), (): ()) {}
-    fn div((): (), (): ()) {}
-    fn neg((): ()) {}
-    fn abs((): ()) {}
-    fn sqrt((): ()) {}
-    fn le((): (), (): ()) {}
-    fn lt((): (), (): ()) {}
-    fn select((): (), (): (), (): ()) {}
+    fn lt<X: Real, const N: usize>(_: &[X; N], _: &[X; N]) -> [u64; N] {
+        [0; N]
+    }
+    fn select<X: Real, const N: usize>(_: &[u64; N], yes: &[X; N], _: &[X; N]) -> [X; N] {
+        *yes
+    }
 }
 
 impl<X, const N: usize, P: Processor> From<[X; N]> for Lanes<X, N, P> {
     #[inline(always)]
     fn from(numbers: [X; N]) -> Self {
-        Self(numbers, P::Alignment::default())
+        Self(numbers, P::ALIGNMENT)
     }
 }
 
@@ -119,17 +129,7 @@ impl<X: Real, const N: usize, P: Processor> Lanes<X, N, P> {
     }
 
     /// Whether the processor has instructions for these: known when the code is compiled, which then has only the one way.
-    const NATIVE: bool = X::IS_DOUBLE && P::DOUBLES == N;
-
-    #[inline(always)]
-    fn vector(&self) -> P::Vector {
-        P::doubles(&self.0)
-    }
-
-    #[inline(always)]
-    fn from_vector(vector: P::Vector) -> Self {
-        Self::from(P::numbers(vector))
-    }
+    const NATIVE: bool = X::IS_DOUBLE && P::DOUBLES > 0 && N.is_multiple_of(P::DOUBLES);
 
     #[inline(always)]
     fn map(self, f: impl Fn(X) -> X) -> Self {
@@ -137,7 +137,7 @@ impl<X: Real, const N: usize, P: Processor> Lanes<X, N, P> {
         for x in &mut numbers {
             *x = f(*x);
         }
-        Self(numbers, P::Alignment::default())
+        Self(numbers, P::ALIGNMENT)
     }
 
     #[inline(always)]
@@ -147,7 +147,7 @@ impl<X: Real, const N: usize, P: Processor> Lanes<X, N, P> {
             numbers[k] = f(self.0[k], other.0[k]);
             k += 1;
         }
-        Self(numbers, P::Alignment::default())
+        Self(numbers, P::ALIGNMENT)
     }
 
     /// Where not all lanes are near zero. Out of the way, so that nothing is put aside for it before it is known to be needed.
@@ -180,7 +180,7 @@ macro_rules! operators {
             #[inline(always)]
             fn $name(self, other: Self) -> Self {
                 if const { Self::NATIVE } {
-                    Self::from_vector(P::$name(self.vector(), other.vector()))
+                    Self(P::$name(&self.0, &other.0), P::ALIGNMENT)
                 } else {
                     self.zip(other, |x, y| x $operator y)
                 }
@@ -194,7 +194,7 @@ impl<X: Real, const N: usize, P: Processor> Neg for Lanes<X, N, P> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        if const { Self::NATIVE } { Self::from_vector(P::neg(self.vector())) } else { self.map(|x| -x) }
+        if const { Self::NATIVE } { Self(P::neg(&self.0), P::ALIGNMENT) } else { self.map(|x| -x) }
     }
 }
 
@@ -213,7 +213,7 @@ macro_rules! comparisons {
         $(#[inline(always)]
         fn $name(self, limit: Self) -> LaneMask<N> {
             if const { Self::NATIVE } {
-                LaneMask(P::truths(P::$name(self.vector(), limit.vector())))
+                LaneMask(P::$name(&self.0, &limit.0))
             } else {
                 self.test(limit, |x, y| x $operator y)
             }
@@ -226,7 +226,7 @@ macro_rules! three_operands {
         $(#[inline(always)]
         fn $name(self, a: Self, b: Self) -> Self {
             if const { $native } {
-                return Self::from_vector(P::$name(self.vector(), a.vector(), b.vector()));
+                return Self(P::$name(&self.0, &a.0, &b.0), P::ALIGNMENT);
             }
             let mut numbers = self.0;
             for (k, x) in numbers.iter_mut().enumerate() {
@@ -240,16 +240,12 @@ macro_rules! three_operands {
 impl<X: Real, const N: usize, P: Processor> Scalar for Lanes<X, N, P> {
     #[inline(always)]
     fn of(value: f64) -> Self {
-        Self([X::of(value); N], P::Alignment::default())
+        Self([X::of(value); N], P::ALIGNMENT)
     }
     three_operands! { mul_add if Self::NATIVE, neg_mul_add if Self::NATIVE }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        if const { Self::NATIVE } {
-            Self::from_vector(P::sqrt(self.vector()))
-        } else {
-            self.map(|x| x.sqrt())
-        }
+        if const { Self::NATIVE } { Self(P::sqrt(&self.0), P::ALIGNMENT) } else { self.map(|x| x.sqrt()) }
     }
     each! { exp ln sin cos tan asin acos atan sinh cosh tanh }
     #[inline(always)]
@@ -317,14 +313,14 @@ impl<X: Real, const N: usize, P: Processor> Batch for Lanes<X, N, P> {
     }
     #[inline(always)]
     fn abs(self) -> Self {
-        if const { Self::NATIVE } {
-            Self::from_vector(P::abs(self.vector()))
-        } else {
-            self.map(|x| Batch::abs(x))
-        }
+        if const { Self::NATIVE } { Self(P::abs(&self.0), P::ALIGNMENT) } else { self.map(|x| Batch::abs(x)) }
     }
     #[inline(always)]
     fn is_finite(self) -> LaneMask<N> {
+        if const { Self::NATIVE } {
+            // not so of what is no number
+            return Batch::abs(self).le(Self::of(f64::MAX));
+        }
         self.test(self, |x, _| Batch::is_finite(x))
     }
     #[inline(always)]
@@ -335,13 +331,13 @@ impl<X: Real, const N: usize, P: Processor> Batch for Lanes<X, N, P> {
     #[inline(always)]
     fn select(mask: LaneMask<N>, yes: Self, no: Self) -> Self {
         if const { Self::NATIVE } {
-            return Self::from_vector(P::select(P::mask(&mask.0), yes.vector(), no.vector()));
+            return Self(P::select(&mask.0, &yes.0, &no.0), P::ALIGNMENT);
         }
         let mut numbers = no.0;
         for (k, x) in numbers.iter_mut().enumerate() {
             *x = if mask.0[k] != 0 { yes.0[k] } else { *x };
         }
-        Self(numbers, P::Alignment::default())
+        Self(numbers, P::ALIGNMENT)
     }
     const HAS_FMA: bool = P::FUSES;
     three_operands! { fma if Self::NATIVE && P::FUSES }
@@ -391,18 +387,6 @@ pub(crate) fn add_product<const N: usize, const K: usize>(
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct LaneMask<const N: usize>([u64; N]);
 
-impl<const N: usize> LaneMask<N> {
-    #[inline(always)]
-    fn zip(self, other: Self, f: impl Fn(u64, u64) -> u64) -> Self {
-        let (mut truths, mut k) = (self.0, 0);
-        while k < N {
-            truths[k] = f(self.0[k], other.0[k]);
-            k += 1;
-        }
-        Self(truths)
-    }
-}
-
 impl<const N: usize> Mask for LaneMask<N> {
     #[inline(always)]
     fn splat(value: bool) -> Self {
@@ -411,11 +395,19 @@ impl<const N: usize> Mask for LaneMask<N> {
     #[inline(always)]
     fn all(self) -> bool {
         // for this there is an instruction
-        self.0.iter().fold(0, |any, truth| any | !truth) == 0
+        let (mut lacks, mut k) = (0, 0);
+        while k < N {
+            (lacks, k) = (lacks | !self.0[k], k + 1);
+        }
+        lacks == 0
     }
     #[inline(always)]
     fn any(self) -> bool {
-        self.0.iter().fold(0, |any, truth| any | truth) != 0
+        let (mut any, mut k) = (0, 0);
+        while k < N {
+            (any, k) = (any | self.0[k], k + 1);
+        }
+        any != 0
     }
     #[inline(always)]
     fn lane(self, lane: usize) -> bool {
@@ -423,27 +415,35 @@ impl<const N: usize> Mask for LaneMask<N> {
     }
 }
 
-impl<const N: usize> BitAnd for LaneMask<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn bitand(self, other: Self) -> Self {
-        self.zip(other, |x, y| x & y)
-    }
+/// No closures, and no iterators: of each operation there are thousands.
+macro_rules! of_truths {
+    ($($trait:ident $name:ident $operator:tt),*) => {
+        $(impl<const N: usize> $trait for LaneMask<N> {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                let (mut truths, mut k) = (self.0, 0);
+                while k < N {
+                    truths[k] = self.0[k] $operator other.0[k];
+                    k += 1;
+                }
+                Self(truths)
+            }
+        })*
+    };
 }
-
-impl<const N: usize> BitOr for LaneMask<N> {
-    type Output = Self;
-    #[inline(always)]
-    fn bitor(self, other: Self) -> Self {
-        self.zip(other, |x, y| x | y)
-    }
-}
+of_truths! { BitAnd bitand &, BitOr bitor | }
 
 impl<const N: usize> Not for LaneMask<N> {
     type Output = Self;
     #[inline(always)]
     fn not(self) -> Self {
-        self.zip(self, |x, _| !x)
+        let (mut truths, mut k) = (self.0, 0);
+        while k < N {
+            truths[k] = !self.0[k];
+            k += 1;
+        }
+        Self(truths)
     }
 }
 

@@ -12,49 +12,65 @@ use crate::scalar::rows::{Formula, Piece, Row};
 use crate::scalar::simd::lanes::{Portable, Processor};
 use crate::scalar::{Batch, Components, FUSED, LongWork, On, OutOfLine, Real, Work};
 
-/// The operations of a [`Processor`] on so many doubles in a vector, or in something made of vectors.
+/// The operations of a [`Processor`] on so many doubles in a vector, or in several vectors.
+///
+/// Each is one function between the operator and the instruction: all of them are inlined wherever there is an operation, which takes a third of
+/// the time of the compiler if they are many.
 macro_rules! operations {
-    ($vector:ident of $lanes:literal doubles, fuses: $fuses:expr, fours: $fours:expr; $($name:ident($($operand:ident),*) = $operation:expr;)*) => {
-        type Vector = $vector;
+    ($vector:ident of $lanes:literal doubles, fuses: $fuses:expr, fours: $fours:expr;
+        numbers { $($name:ident($($operand:ident),*) = $operation:expr;)* }
+        truths { $($test:ident($($of:ident),*) = $truth:expr;)* }
+        select($mask:ident, $yes:ident, $no:ident) = $chosen:expr;
+    ) => {
         const DOUBLES: usize = $lanes;
         const FUSES: bool = $fuses;
         const FOURS: bool = $fours;
 
-        #[inline(always)]
-        fn doubles<X: Real, const N: usize>(numbers: &[X; N]) -> $vector {
-            assert!(X::IS_DOUBLE && N == $lanes, "as many doubles as there are in the vector");
-            // SAFETY: the same size, and all bits have a meaning in both
-            unsafe { (&raw const *numbers).cast::<$vector>().read_unaligned() }
-        }
-
-        #[inline(always)]
-        fn numbers<X: Real, const N: usize>(doubles: $vector) -> [X; N] {
-            assert!(X::IS_DOUBLE && N == $lanes, "as many doubles as there are in the vector");
-            // SAFETY: the same size, and all bits have a meaning in both
-            unsafe { (&raw const doubles).cast::<[X; N]>().read() }
-        }
-
-        #[inline(always)]
-        fn mask<const N: usize>(truths: &[u64; N]) -> $vector {
-            assert!(N == $lanes, "as many truths as there are doubles in the vector");
-            // SAFETY: the same size, and all bits have a meaning in both
-            unsafe { (&raw const *truths).cast::<$vector>().read_unaligned() }
-        }
-
-        #[inline(always)]
-        fn truths<const N: usize>(mask: $vector) -> [u64; N] {
-            assert!(N == $lanes, "as many truths as there are doubles in the vector");
-            // SAFETY: the same size, and all bits have a meaning in both
-            unsafe { (&raw const mask).cast::<[u64; N]>().read() }
-        }
-
         $(#[inline(always)]
-        fn $name($($operand: $vector),*) -> $vector {
-            // SAFETY: the type is named nowhere but where it was looked whether the processor is of the kind
-            unsafe { $operation }
+        fn $name<X: Real, const N: usize>($($operand: &[X; N]),*) -> [X; N] {
+            operations! { of $lanes doubles: [X; N] = $operation, $($operand: [X; N] as $vector),* }
         })*
+        $(#[inline(always)]
+        fn $test<X: Real, const N: usize>($($of: &[X; N]),*) -> [u64; N] {
+            operations! { of $lanes doubles: [u64; N] = $truth, $($of: [X; N] as $vector),* }
+        })*
+        #[inline(always)]
+        fn select<X: Real, const N: usize>($mask: &[u64; N], $yes: &[X; N], $no: &[X; N]) -> [X; N] {
+            operations! {
+                of $lanes doubles: [X; N] = $chosen, $mask: [u64; N] as $vector, $yes: [X; N] as $vector, $no: [X; N] as $vector
+            }
+        }
     };
+    (of $lanes:literal doubles: $result:ty = $operation:expr, $($operand:ident: $array:ty as $vector:ident),*) => {{
+        if const { !(X::IS_DOUBLE && N.is_multiple_of($lanes)) } {
+            unreachable!("as many doubles as there are in vectors");
+        }
+        // SAFETY: as many bits, all of which have a meaning in doubles, truths and vectors; and the type of the processor is named nowhere but where
+        // it was looked whether it is of the kind
+        unsafe {
+            $(let $operand = $operand as *const $array as *const Unaligned<$vector>;)*
+            if const { N == $lanes } {
+                $(let $operand = (*$operand).0;)*
+                let result = $operation;
+                return *(&raw const result as *const $result);
+            }
+            let mut result: $result = core::mem::zeroed();
+            let vectors = &raw mut result as *mut Unaligned<_>;
+            let mut k = 0;
+            while k < N / $lanes {
+                $(let $operand = (*$operand.add(k)).0;)*
+                *vectors.add(k) = Unaligned($operation);
+                k += 1;
+            }
+            result
+        }
+    }};
 }
+
+/// Read from where an array is.
+#[derive(Clone, Copy)]
+#[repr(packed)]
+struct Unaligned<V>(V);
 
 macro_rules! processors {
     ($(
@@ -93,12 +109,13 @@ macro_rules! processors {
             }
 
             /// As wide as a register.
-            #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+            #[derive(Clone, Copy, Debug, PartialEq, Eq)]
             #[repr(align($bytes))]
             pub(crate) struct $alignment;
 
             impl Processor for $name {
                 type Alignment = $alignment;
+                const ALIGNMENT: $alignment = $alignment;
 
                 #[inline(always)]
                 fn dispatch<W: Work>(work: W) -> W::Result {
@@ -116,42 +133,51 @@ processors! {
     /// x86-64 with four doubles in a register, and with products and sums rounded once.
     Avx2 in avx2 for "avx2", "fma": Bytes32 of 32 bytes {
         __m256d of 4 doubles, fuses: true, fours: true;
-        fma(a, b, c) = _mm256_fmadd_pd(a, b, c);
-        add(a, b) = _mm256_add_pd(a, b);
-        sub(a, b) = _mm256_sub_pd(a, b);
-        mul(a, b) = _mm256_mul_pd(a, b);
-        mul_add(a, b, c) = if FUSED { _mm256_fmadd_pd(a, b, c) } else { _mm256_add_pd(c, _mm256_mul_pd(a, b)) };
-        neg_mul_add(a, b, c) = if FUSED { _mm256_fnmadd_pd(a, b, c) } else { _mm256_sub_pd(c, _mm256_mul_pd(a, b)) };
-        div(a, b) = _mm256_div_pd(a, b);
-        sqrt(a) = _mm256_sqrt_pd(a);
-        neg(a) = _mm256_xor_pd(a, _mm256_set1_pd(-0.0));
-        abs(a) = _mm256_andnot_pd(_mm256_set1_pd(-0.0), a);
-        le(a, b) = _mm256_cmp_pd::<_CMP_LE_OQ>(a, b);
-        lt(a, b) = _mm256_cmp_pd::<_CMP_LT_OQ>(a, b);
+        numbers {
+            fma(a, b, c) = _mm256_fmadd_pd(a, b, c);
+            add(a, b) = _mm256_add_pd(a, b);
+            sub(a, b) = _mm256_sub_pd(a, b);
+            mul(a, b) = _mm256_mul_pd(a, b);
+            mul_add(a, b, c) = if FUSED { _mm256_fmadd_pd(a, b, c) } else { _mm256_add_pd(c, _mm256_mul_pd(a, b)) };
+            neg_mul_add(a, b, c) = if FUSED { _mm256_fnmadd_pd(a, b, c) } else { _mm256_sub_pd(c, _mm256_mul_pd(a, b)) };
+            div(a, b) = _mm256_div_pd(a, b);
+            sqrt(a) = _mm256_sqrt_pd(a);
+            neg(a) = _mm256_xor_pd(a, _mm256_set1_pd(-0.0));
+            abs(a) = _mm256_andnot_pd(_mm256_set1_pd(-0.0), a);
+        }
+        truths {
+            le(a, b) = _mm256_cmp_pd::<_CMP_LE_OQ>(a, b);
+            lt(a, b) = _mm256_cmp_pd::<_CMP_LT_OQ>(a, b);
+        }
         select(mask, yes, no) = _mm256_blendv_pd(no, yes, mask);
     }
 
     /// x86-64 with eight doubles in a register.
     Avx512 in avx512 for "avx512f", "avx512dq", "avx512vl": Bytes64 of 64 bytes {
         __m512d of 8 doubles, fuses: true, fours: true;
-        fma(a, b, c) = _mm512_fmadd_pd(a, b, c);
-        add(a, b) = _mm512_add_pd(a, b);
-        sub(a, b) = _mm512_sub_pd(a, b);
-        mul(a, b) = _mm512_mul_pd(a, b);
-        mul_add(a, b, c) = if FUSED { _mm512_fmadd_pd(a, b, c) } else { _mm512_add_pd(c, _mm512_mul_pd(a, b)) };
-        neg_mul_add(a, b, c) = if FUSED { _mm512_fnmadd_pd(a, b, c) } else { _mm512_sub_pd(c, _mm512_mul_pd(a, b)) };
-        div(a, b) = _mm512_div_pd(a, b);
-        sqrt(a) = _mm512_sqrt_pd(a);
-        neg(a) = _mm512_xor_pd(a, _mm512_set1_pd(-0.0));
-        abs(a) = _mm512_andnot_pd(_mm512_set1_pd(-0.0), a);
-        le(a, b) = _mm512_castsi512_pd(_mm512_movm_epi64(_mm512_cmp_pd_mask::<_CMP_LE_OQ>(a, b)));
-        lt(a, b) = _mm512_castsi512_pd(_mm512_movm_epi64(_mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b)));
+        numbers {
+            fma(a, b, c) = _mm512_fmadd_pd(a, b, c);
+            add(a, b) = _mm512_add_pd(a, b);
+            sub(a, b) = _mm512_sub_pd(a, b);
+            mul(a, b) = _mm512_mul_pd(a, b);
+            mul_add(a, b, c) = if FUSED { _mm512_fmadd_pd(a, b, c) } else { _mm512_add_pd(c, _mm512_mul_pd(a, b)) };
+            neg_mul_add(a, b, c) = if FUSED { _mm512_fnmadd_pd(a, b, c) } else { _mm512_sub_pd(c, _mm512_mul_pd(a, b)) };
+            div(a, b) = _mm512_div_pd(a, b);
+            sqrt(a) = _mm512_sqrt_pd(a);
+            neg(a) = _mm512_xor_pd(a, _mm512_set1_pd(-0.0));
+            abs(a) = _mm512_andnot_pd(_mm512_set1_pd(-0.0), a);
+        }
+        truths {
+            le(a, b) = _mm512_castsi512_pd(_mm512_movm_epi64(_mm512_cmp_pd_mask::<_CMP_LE_OQ>(a, b)));
+            lt(a, b) = _mm512_castsi512_pd(_mm512_movm_epi64(_mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b)));
+        }
         select(mask, yes, no) = _mm512_mask_blend_pd(_mm512_movepi64_mask(_mm512_castpd_si512(mask)), no, yes);
     }
 }
 
 impl Processor for Portable {
     type Alignment = ();
+    const ALIGNMENT: () = ();
 
     #[inline(always)]
     fn dispatch<W: Work>(work: W) -> W::Result {
@@ -160,23 +186,27 @@ impl Processor for Portable {
 
     operations! {
         __m128d of 2 doubles, fuses: FUSED, fours: false;
-        fma(a, b, c) = if FUSED {
-            _mm_fmadd_pd(a, b, c)
-        } else {
-            // not asked for
-            a
-        };
-        add(a, b) = _mm_add_pd(a, b);
-        sub(a, b) = _mm_sub_pd(a, b);
-        mul(a, b) = _mm_mul_pd(a, b);
-        mul_add(a, b, c) = if FUSED { _mm_fmadd_pd(a, b, c) } else { _mm_add_pd(c, _mm_mul_pd(a, b)) };
-        neg_mul_add(a, b, c) = if FUSED { _mm_fnmadd_pd(a, b, c) } else { _mm_sub_pd(c, _mm_mul_pd(a, b)) };
-        div(a, b) = _mm_div_pd(a, b);
-        sqrt(a) = _mm_sqrt_pd(a);
-        neg(a) = _mm_xor_pd(a, _mm_set1_pd(-0.0));
-        abs(a) = _mm_andnot_pd(_mm_set1_pd(-0.0), a);
-        le(a, b) = _mm_cmple_pd(a, b);
-        lt(a, b) = _mm_cmplt_pd(a, b);
+        numbers {
+            fma(a, b, c) = if FUSED {
+                _mm_fmadd_pd(a, b, c)
+            } else {
+                // not asked for
+                a
+            };
+            add(a, b) = _mm_add_pd(a, b);
+            sub(a, b) = _mm_sub_pd(a, b);
+            mul(a, b) = _mm_mul_pd(a, b);
+            mul_add(a, b, c) = if FUSED { _mm_fmadd_pd(a, b, c) } else { _mm_add_pd(c, _mm_mul_pd(a, b)) };
+            neg_mul_add(a, b, c) = if FUSED { _mm_fnmadd_pd(a, b, c) } else { _mm_sub_pd(c, _mm_mul_pd(a, b)) };
+            div(a, b) = _mm_div_pd(a, b);
+            sqrt(a) = _mm_sqrt_pd(a);
+            neg(a) = _mm_xor_pd(a, _mm_set1_pd(-0.0));
+            abs(a) = _mm_andnot_pd(_mm_set1_pd(-0.0), a);
+        }
+        truths {
+            le(a, b) = _mm_cmple_pd(a, b);
+            lt(a, b) = _mm_cmplt_pd(a, b);
+        }
         select(mask, yes, no) = _mm_or_pd(_mm_and_pd(mask, yes), _mm_andnot_pd(mask, no));
     }
 }
