@@ -224,14 +224,14 @@ fn compile<R>(
         // each from a system of its own: what else is asked for has no part in it
         let arena = Arena::limited(limits::DERIVATION - work);
         let system = System::build(&arena, &description, &mut Diagnostics::new())?;
-        program.steps.push(derive::step(&arena, &system, *scheme, aliases.clone(), wanted));
+        program.steps.extend(derive::step(&arena, &system, *scheme, aliases.clone(), wanted));
         let lower = || fitting_order(&description, &schemes, scheme.rule, wanted, begun);
         feasible::derived(&arena, attribute, &item, lower, diagnostics)?;
         work += arena.work();
     }
     if attribute.taylor {
         let arena = Arena::limited(limits::DERIVATION - work);
-        let system = System::build(&arena, &description, &mut Diagnostics::new())?;
+        let system = System::build_series(&arena, &description)?;
         program.taylor = derive::series(&arena, &system);
         feasible::derived(&arena, attribute, &item, || None, diagnostics)?;
         feasible::has_series(program.taylor.is_some(), attribute, &item, diagnostics)?;
@@ -258,7 +258,7 @@ fn fitting_order(
         others.chain(lowered.map(|scheme| Scheme { rule: lower, ..scheme })).all(|scheme| {
             let arena = Arena::limited(limits::DERIVATION - work);
             let system = System::build(&arena, description, &mut Diagnostics::new());
-            let step = system.map(|system| derive::step(&arena, &system, scheme, Vec::new(), wanted));
+            let step = system.and_then(|system| derive::step(&arena, &system, scheme, Vec::new(), wanted));
             work += arena.work();
             step.is_some() && !arena.is_exhausted()
         })

@@ -136,13 +136,20 @@ pub(crate) fn step<'a>(
     scheme: Scheme,
     aliases: Vec<Scheme>,
     wanted: Derivatives,
-) -> StepProgram {
+) -> Option<StepProgram> {
     let step = scheme.step(arena, system);
+    if arena.is_exhausted() {
+        return None;
+    }
     let module = kernel::step(arena, &step, Inputs::of(system));
-    let derivative = wanted.any().then(|| {
+    let mut derivative = None;
+    if wanted.any() {
         let linearization = Linearization::new(arena, system, &step, wanted);
-        kernel::derivative(arena, &step, &linearization, wanted, Inputs::of(system))
-    });
+        if arena.is_exhausted() {
+            return None;
+        }
+        derivative = Some(kernel::derivative(arena, &step, &linearization, wanted, Inputs::of(system)));
+    }
     let Step { blocks, bounded, iteration, unknown, .. } = step;
     let has_true_jacobian = matches!(iteration, Iteration::FixedPoint | Iteration::TrueNewton);
     let is_newton = !matches!(iteration, Iteration::FixedPoint);
@@ -151,7 +158,7 @@ pub(crate) fn step<'a>(
         _ => false,
     };
     let is_long = module.values.places() > LONG;
-    StepProgram {
+    Some(StepProgram {
         scheme,
         aliases,
         blocks,
@@ -162,7 +169,7 @@ pub(crate) fn step<'a>(
         is_long,
         module,
         derivative,
-    }
+    })
 }
 
 /// The power series of a system's motion. None where a function in its description has no closed recurrence.

@@ -245,10 +245,13 @@ impl Arena {
         {
             return self.intern(Node::Number(value));
         }
-        if function == Function::Sqrt
-            && let Some(root) = self.root_of_squares(argument)
-        {
-            return root;
+        if function == Function::Sqrt {
+            if let Some(root) = self.root_of_squares(argument) {
+                return root;
+            }
+            if let Some(root) = self.in_branches(argument, |x| self.function(Function::Sqrt, x)) {
+                return root;
+            }
         }
         let before = self.len();
         let id = self.intern(Node::Function(function, argument));
@@ -317,6 +320,17 @@ impl Arena {
                 self.product(Number::ONE, [(root, *r.numer() as i32)])
             }
             _ => {
+                let of_zero = |x: Id| match self.node(x) {
+                    // with what a derivative by the exponent is there
+                    Node::Number(number) if number.is_zero() => {
+                        let [zero, below] = [self.zero(), self.expr(exponent).scale(-1)];
+                        below.choose(zero, self.expr(self.intern(Node::Power(x, exponent)))).id
+                    }
+                    _ => self.power(x, exponent),
+                };
+                if let Some(power) = self.in_branches(base, of_zero) {
+                    return power;
+                }
                 let before = self.len();
                 let id = self.intern(Node::Power(base, exponent));
                 if self.len() > before {
@@ -324,6 +338,38 @@ impl Arena {
                 }
                 id
             }
+        }
+    }
+
+    /// A root or a power of a choice one branch of which is a number, no less than zero, or of a multiple of a choice between something and zero: in
+    /// each branch, for where that number is zero the derivatives are zero, and those of the root are not.
+    fn in_branches(&self, choice: Id, of: impl Fn(Id) -> Id) -> Option<Id> {
+        let is_number = |id: Id| matches!(self.node(id), Node::Number(number) if !number.is_negative());
+        let [x, y, z] = self.multiple_of_choice(choice)?;
+        (is_number(y) || is_number(z)).then(|| self.choice([x, of(y), of(z)]))
+    }
+
+    /// The condition and the branches of a choice, or of a multiple of one between something and zero.
+    fn multiple_of_choice(&self, id: Id) -> Option<[Id; 3]> {
+        let is_zero = |id: Id| matches!(self.node(id), Node::Number(number) if number.is_zero());
+        match self.node(id) {
+            Node::Choice(branches) => Some(branches),
+            Node::Product(factors) => factors.iter().enumerate().find_map(|(place, &(factor, e))| {
+                let Node::Choice([x, y, z]) = self.node(factor) else { return None };
+                let with = |branch: Id| {
+                    let mut factors = factors.to_vec();
+                    factors[place].0 = branch;
+                    self.product(Number::ONE, factors)
+                };
+                (e == 1 && (is_zero(y) || is_zero(z))).then(|| [x, with(y), with(z)])
+            }),
+            Node::Sum(sum) if sum.is_scaled_term() => {
+                let (term, number) = sum.terms[0];
+                let [x, y, z] = self.multiple_of_choice(term)?;
+                let scaled = |branch: Id| self.sum(Number::ZERO, [(branch, number)]);
+                Some([x, scaled(y), scaled(z)])
+            }
+            _ => None,
         }
     }
 

@@ -26,11 +26,25 @@ impl<'a> System<'a> {
         description: &Description<'_>,
         diagnostics: &mut Diagnostics,
     ) -> Option<Self> {
+        Self::built(arena, description, false, diagnostics)
+    }
+
+    /// The same, of functions that have power series.
+    pub(crate) fn build_series(arena: &'a Arena, description: &Description<'_>) -> Option<Self> {
+        Self::built(arena, description, true, &mut Diagnostics::new())
+    }
+
+    fn built(
+        arena: &'a Arena,
+        description: &Description<'_>,
+        has_series: bool,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Self> {
         let before = diagnostics.len();
         let (momenta, velocities, coordinates) = Default::default();
         let scope = Scope::new();
         let mut builder =
-            Builder { arena, description, scope, diagnostics, momenta, velocities, coordinates };
+            Builder { arena, description, has_series, scope, diagnostics, momenta, velocities, coordinates };
         builder.scope.functions.clone_from(&description.attribute.functions);
         description.unknown.iter().for_each(|name| builder.scope.define_unknown(name));
         let (parameters, values) = builder.parameters();
@@ -149,6 +163,8 @@ fn define<'a>(scope: &mut Scope<'a>, name: &Name, whole: &str, value: Value<'a>)
 struct Builder<'s, 'a> {
     arena: &'a Arena,
     description: &'s Description<'s>,
+    /// Whether forces are to have power series.
+    has_series: bool,
     /// The names that expressions may use.
     scope: Scope<'a>,
     diagnostics: &'s mut Diagnostics,
@@ -318,7 +334,9 @@ impl<'a> Builder<'_, 'a> {
     fn forces(&mut self, group: &Product, factors: &mut [Factor<'a>], sources: &mut Sources) {
         let (arena, scope) = (self.arena, &mut self.scope);
         let is_single = self.description.scalar == ScalarType::F32;
-        let at_zero = |component: Expr<'a>| component.with_lengths(is_single).with_limits_of_force();
+        let has_series = self.has_series;
+        let at_zero =
+            |component: Expr<'a>| component.with_lengths(is_single).with_limits_of_force(has_series);
         for force in &self.description.forces {
             let first = force.factors.as_ref().map(|factors| factors.indices().start);
             let length = match &force.factors {

@@ -247,6 +247,16 @@ fn more_than_can_be_derived() {
     assert_eq!(problems[0].1, format!("{bound}{ways}, or {rest}"));
 }
 
+/// It runs out while a step is linearized, of which there is a part then.
+#[test]
+fn matrices_that_cannot_be_derived() {
+    let attribute = "group = SL(3), advected(b: R3), potential = b[0] * b[1], force = 0.1 * momentum, derivatives(state), \
+                     retractions(Exponential), methods(Midpoint)";
+    let item = "struct Sheared { #[inertia] inertia: SVector<f64, 8> }";
+    let problems = answer(attribute.to_owned(), item.to_owned()).expect_err("it takes too much");
+    assert!(problems[0].1.contains("of more than 5000000 operands"), "{}", problems[0].1);
+}
+
 #[test]
 fn orders_that_are_too_high_name_one_that_fits() {
     let attribute = "group(first: SO3, second: SO3), potential = 1.0 - (first.inverse() * second).w.powi(2), \

@@ -117,9 +117,9 @@ fn what_cancels_at_zero_is_followed() {
         ("force = -k * position.norm() * position_velocity - position", true),
         ("force = -k * position_velocity.x.hypot(position_velocity.y) * position_velocity", true),
         ("force = -position_velocity.norm().powf(1.5) * position_velocity", true),
+        ("force = -k * (1.0 - (-position.norm()).exp()) * position.normalize()", true),
         // of these the derivative has a limit that is not known here
         ("potential = position.norm().powf(k)", false),
-        ("force = -k * (1.0 - (-position.norm()).exp()) * position.normalize()", false),
         ("force = -k * (1.0 + position.norm()).ln() * position.normalize()", false),
         ("potential = k * position.norm() * (1.0 - (-position.norm()).exp())", false),
     ];
@@ -162,5 +162,98 @@ fn what_cancels_at_zero_is_followed() {
             (Err(_), false) => {}
             (result, _) => panic!("{form}: {:?}", result.err()),
         }
+    }
+}
+
+/// Forces that saturate, near to zero and far out: nothing cancels, and nothing overflows.
+#[test]
+fn forces_saturate_at_every_distance() {
+    let steps = |force: &str, keys: &str| {
+        let text = format!(
+            "#[lie_poisson_system(group = R3, force = {force}, {keys})]
+             struct Held {{ #[inertia] mass: f64, width: f64 }}"
+        );
+        Arc::new(
+            Model::from_text(&text).unwrap_or_else(|error| panic!("{force}: {error}")).system(&[1.0, 0.01]),
+        )
+    };
+    let saturation = |x: f64| if x > 20.0 { 1.0 } else { x.tanh() };
+    let forces: [(&str, fn(f64) -> f64, f64); 3] = [
+        ("-(position.norm() / width).tanh() * position.normalize()", saturation, 0.01),
+        ("{ let r = position.norm(); -(r.tanh() / r) * position }", saturation, 1.0),
+        ("-(1.0 - (-position.norm()).exp()) * position.normalize()", |x| -(-x).exp_m1(), 1.0),
+    ];
+    for (force, size, width) in forces {
+        let plain = steps(force, "methods(HamiltonJacobi(4)), retractions(Exponential), derivatives(state)");
+        let series = steps(force, "taylor");
+        for r in [1e-300, 1e-30, 1e-17, 1e-9, 1e-3, 0.3, 5.0, 7.2, 19.9, 20.1, 400.0, 720.0, 1e6] {
+            let near = [0.6 * r, 0.0, 0.8 * r, 0.0, 0.0, 0.0];
+            let (h, expected) = (1e-6, size(r / width));
+            // of a second derivative there is none at zero
+            let has_exponential = force.contains("exp");
+            for scheme in ["Exponential", "HamiltonJacobi<Exponential, 4>"] {
+                if has_exponential && r < 1e-9 && scheme != "Exponential" {
+                    continue;
+                }
+                let mut stepper = erased::Stepper::new(plain.clone(), &scheme.parse().unwrap(), h).unwrap();
+                let mut state = near;
+                let (jacobian, _) = stepper
+                    .step_with_jacobian(&mut state, &[])
+                    .unwrap_or_else(|error| panic!("{force}, {scheme}, {r:e}: {error}"));
+                let off = (state[5] / h / (-0.8 * expected) - 1.0).abs();
+                // what is smaller than rounding of 1 is lost in the force, and nothing in its derivative
+                let is_lost = has_exponential && r < 1e-3;
+                assert!(off < 1e-8 || is_lost, "{force}, {scheme}, {r:e}: {off:e}");
+                // across the radius
+                let off = (jacobian.state[(4, 1)] / h / (-expected / r) - 1.0).abs();
+                assert!(off < 1e-7, "{force}, {scheme}, {r:e}, the derivative: {off:e}");
+            }
+            if r > 1e-12 {
+                let mut steps = erased::Adaptive::new(series.clone(), 1e-12).unwrap();
+                let mut state = near.to_vec();
+                coadjoint::Run::new(&mut steps, &mut state).to(h).unwrap();
+                let off = (state[5] / h / (-0.8 * expected) - 1.0).abs();
+                assert!(off < 1e-3, "{force}, {r:e}, Taylor: {off:e}");
+            }
+        }
+    }
+}
+
+/// A contact after Hertz: nothing where there is none, and so are all derivatives, whatever the exponent is.
+#[test]
+fn what_does_not_touch_feels_nothing() {
+    let contacts = [
+        ("k * position.x.max(0.0).powf(2.5)", "HamiltonJacobi(6)"),
+        ("k * (position.x.max(0.0) / length).powf(2.5)", "HamiltonJacobi(6)"),
+        ("k * position.x.max(0.0).powf(n)", "HamiltonJacobi(4)"),
+    ];
+    for (potential, method) in contacts {
+        let text = format!(
+            "#[lie_poisson_system(group = R1, potential = {potential}, methods({method}), retractions(Exponential), derivatives)]
+             struct Contact {{ #[inertia] mass: f64, k: f64, length: f64, n: f64 }}"
+        );
+        let model = Model::from_text(&text).unwrap_or_else(|error| panic!("{potential}: {error}"));
+        let system = Arc::new(model.system(&[2.0, 30.0, 1.0, 2.5]));
+        let scheme = format!("HamiltonJacobi<Exponential, {}>", if method.contains('6') { 6 } else { 4 });
+        for scheme in [&scheme, "Exponential"] {
+            let mut stepper = erased::Stepper::new(system.clone(), &scheme.parse().unwrap(), 0.1).unwrap();
+            let mut state = [-0.3, 0.5];
+            let (jacobian, _) = stepper
+                .step_with_jacobian(&mut state, &[])
+                .unwrap_or_else(|error| panic!("{potential}, {scheme}: {error}"));
+            assert!((state[0] + 0.275).abs() < 1e-15 && state[1] == 0.5, "{potential}, {scheme}: {state:?}");
+            let by_parameters = jacobian.parameters.columns(1, 3);
+            assert!(
+                by_parameters.iter().all(|entry| *entry == 0.0),
+                "{potential}, {scheme}: {by_parameters}"
+            );
+            assert!((jacobian.state[(0, 1)] - 0.05).abs() < 1e-15, "{potential}, {scheme}");
+        }
+        // it bounces, and keeps its energy
+        let mut stepper = erased::Stepper::new(system.clone(), &scheme.parse().unwrap(), 0.01).unwrap();
+        let mut state = [-0.3, 0.5];
+        stepper.steps(&mut state, &[], 600).unwrap();
+        let energy = state[1] * state[1] / 4.0 + 30.0 * state[0].max(0.0).powf(2.5);
+        assert!(state[1] < 0.0 && (energy / 0.0625 - 1.0).abs() < 1e-3, "{potential}: {state:?}");
     }
 }

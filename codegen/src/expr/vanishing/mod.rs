@@ -54,9 +54,10 @@ impl<'a> Expr<'a> {
         Limits::default().of(self)
     }
 
-    /// The same of a force, which has one, too, where a parameter that it is a multiple of is zero.
-    pub fn with_limits_of_force(self) -> Self {
-        Limits { bases: Vec::new(), chosen: Chosen::Parameters }.of(self)
+    /// The same of a force, which has one, too, where a parameter that it is a multiple of is zero. If it is to have a power `series`, it is made of
+    /// no function that has none.
+    pub fn with_limits_of_force(self, series: bool) -> Self {
+        Limits { bases: Vec::new(), chosen: Chosen::Parameters { series } }.of(self)
     }
 }
 
@@ -114,7 +115,10 @@ enum Chosen {
     #[default]
     Nothing,
     /// The size of a force.
-    Parameters,
+    Parameters {
+        /// Whether that is to have a power series.
+        series: bool,
+    },
     /// What is not differentiated again.
     State,
 }
@@ -442,7 +446,7 @@ impl<'a> Vanishing<'a> {
         }
         let is_bounded = power.is_negative() && !has_limit && total > -POSITIVE;
         if is_bounded
-            && self.chosen == Chosen::Parameters
+            && matches!(self.chosen, Chosen::Parameters { .. })
             && let Some(chosen) = self.by_parameter(&rest, power)
         {
             return chosen;
@@ -661,15 +665,16 @@ impl<'a> Vanishing<'a> {
         matches!(self.arena.node(self.base), Node::Sum(base) if base.terms.len() == sum.terms.len())
     }
 
-    /// Whether it is an odd function of the root, times what depends on its square alone.
+    /// Whether it is an odd function of the root, times what depends on its square alone; or `1 − eʸ` of one, times what is continuous.
     fn is_odd(&mut self, root: Id) -> bool {
         for id in self.arena.unknown(root, &self.odd) {
             let is_odd = match (self.exponent(id), self.arena.node(id)) {
                 (Some(exponent), _) => exponent >= half(),
                 (None, Node::Held(inner)) => self.odd[&inner],
-                (None, Node::Sum(sum)) => {
-                    sum.constant.is_zero() && sum.terms.iter().all(|(term, _)| self.odd[term])
-                }
+                (None, Node::Sum(sum)) => match self.of_exponential(&sum) {
+                    Some(y) => self.odd[&y],
+                    None => sum.constant.is_zero() && sum.terms.iter().all(|(term, _)| self.odd[term]),
+                },
                 (None, Node::Product(factors)) => {
                     factors.iter().any(|(factor, e)| *e > 0 && self.odd[factor])
                 }
@@ -677,6 +682,7 @@ impl<'a> Vanishing<'a> {
                     // what the root is taken of in the derivative
                     (self.arena.one() - self.arena.expr(x).powi(2)).id == self.base
                 }
+                (None, Node::Function(Function::Tanh, _)) if self.has_series() => false,
                 (None, Node::Function(function, x)) => function.is_odd() && self.odd[&x],
                 (None, Node::Atan2(y, _)) => self.odd[&y],
                 (None, Node::Number(_) | Node::Symbol(_) | Node::Power(..) | Node::Choice(_)) => false,
@@ -684,6 +690,25 @@ impl<'a> Vanishing<'a> {
             self.odd.insert(id, is_odd);
         }
         self.odd[&root]
+    }
+
+    /// The `y` of a multiple of `1 − eʸ`, in forces and in derivatives that are not taken again.
+    fn of_exponential(&self, sum: &Sum) -> Option<Id> {
+        match (&sum.terms[..], sum.constant) {
+            _ if self.chosen == Chosen::Nothing || self.has_series() => None,
+            (&[(term, c)], constant) if !constant.is_zero() && c == -constant => {
+                match self.arena.node(term) {
+                    Node::Function(Function::Exp, y) => Some(y),
+                    _ => None,
+                }
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether what comes of it is to have a power series: Stumpff functions have none by a recurrence.
+    fn has_series(&self) -> bool {
+        self.chosen == Chosen::Parameters { series: true }
     }
 
     /// The quotient of what is odd by the root.
@@ -701,6 +726,12 @@ impl<'a> Vanishing<'a> {
         match self.arena.node(id) {
             Node::Held(inner) => self.over_root(inner),
             Node::Sum(sum) => {
+                if let Some(y) = self.of_exponential(&sum) {
+                    // 1 − eʸ = −tanh(y/2) (1 + eʸ), where nothing cancels
+                    let tanh = expr(y).scale(half()).apply(Function::Tanh).id;
+                    let quotient = expr(self.over_root(tanh)) * (one + expr(y).apply(Function::Exp));
+                    return quotient.scale(-sum.constant).id;
+                }
                 let terms: Vec<_> = sum.terms.iter().map(|&(x, c)| (self.over_root(x), c)).collect();
                 self.arena.sum(Number::ZERO, terms)
             }
@@ -721,7 +752,12 @@ impl<'a> Vanishing<'a> {
                     Function::Sin => z.stumpff(1),
                     Function::Sinh => (-z).stumpff(1),
                     Function::Tan => z.stumpff(1) / z.stumpff(0),
-                    Function::Tanh => (-z).stumpff(1) / (-z).stumpff(0),
+                    Function::Tanh => {
+                        // from 20 on it is 1, to the last digit, and hyperbolic functions overflow
+                        let beyond = z - self.arena.number(400);
+                        let large = self.arena.number(400) + beyond.choose(self.arena.zero(), beyond);
+                        beyond.choose((-z).stumpff(1) / (-z).stumpff(0), one / large.sqrt())
+                    }
                     Function::Asin => (one - z).sqrt().apply(Function::AngleOverSine(0)),
                     _ => expr(angle(one, (one + z).id)) / (one + z).sqrt(),
                 };

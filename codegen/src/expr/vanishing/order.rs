@@ -102,6 +102,13 @@ impl Vanishing<'_> {
         }
         let of = |operand: &Id| self.values[operand];
         let is_positive = |id: &Id| of(id).0.is_some_and(|value| self.arena.is_positive(value));
+        if let Node::Choice([x, y, z]) = node
+            && let Some(Node::Number(number)) = of(&x).0.map(|value| self.arena.node(value))
+            && !number.is_zero()
+        {
+            // near to there it is the same branch
+            return of(if number.is_negative() { &y } else { &z });
+        }
         let change = match &node {
             Node::Number(_) | Node::Symbol(_) => f64::INFINITY,
             Node::Held(inner) => of(inner).1,
