@@ -411,7 +411,8 @@ impl<T: Batch, U: Components<T>> Learn<'_, T, U> {
         let mut is_near = T::Mask::splat(false);
         if predictor.is_full || const { T::LANES > 1 } {
             let is_full = predictor.are_all(by);
-            if by == Continuation::Chosen {
+            // of steps that are learned in line there are no others
+            if const { !IN_LINE } && by == Continuation::Chosen {
                 predictor.choose(sizes, solution, is_full & !quick);
             }
             is_near = is_full & (quick | self.is_near);
