@@ -178,7 +178,8 @@ fn forces_saturate_at_every_distance() {
         )
     };
     let saturation = |x: f64| if x > 20.0 { 1.0 } else { x.tanh() };
-    let forces: [(&str, fn(f64) -> f64, f64); 3] = [
+    type Size = fn(f64) -> f64;
+    let forces: [(&str, Size, f64); 3] = [
         ("-(position.norm() / width).tanh() * position.normalize()", saturation, 0.01),
         ("{ let r = position.norm(); -(r.tanh() / r) * position }", saturation, 1.0),
         ("-(1.0 - (-position.norm()).exp()) * position.normalize()", |x| -(-x).exp_m1(), 1.0),

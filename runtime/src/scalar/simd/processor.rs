@@ -69,7 +69,7 @@ macro_rules! operations {
 
 /// Read from where an array is.
 #[derive(Clone, Copy)]
-#[repr(packed)]
+#[repr(C, packed)]
 struct Unaligned<V>(V);
 
 macro_rules! processors {
