@@ -261,7 +261,8 @@ impl Arena {
         id
     }
 
-    /// The root of what squares are a factor of: `√(s²) = s`, where `s` is no less than zero, and `√(f² x + f² y) = |f| √(x + y)`.
+    /// The root of what squares are a factor of: `√(s²) = s`, where `s` is no less than zero, `√(x⁴) = x²`, and
+    /// `√(f² x + f² y) = |f| √(x + y)`.
     fn root_of_squares(&self, argument: Id) -> Option<Id> {
         let half = |&(factor, e): &(Id, i32)| match self.is_nonnegative(factor) {
             true => (factor, e / 2),
@@ -271,7 +272,7 @@ impl Arena {
             Node::Product(factors) => {
                 let [(square, e)] = factors[..] else { return None };
                 let is_square = e % 2 == 0 && matches!(self.node(square), Node::Sum(_));
-                return (is_square && self.is_nonnegative(square))
+                return (e % 4 == 0 || is_square && self.is_nonnegative(square))
                     .then(|| self.product(Number::ONE, [(square, e / 2)]));
             }
             Node::Sum(sum) if sum.terms.len() > 1 && sum.constant.is_zero() => sum,

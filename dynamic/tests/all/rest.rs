@@ -117,6 +117,9 @@ fn what_cancels_at_zero_is_followed() {
         ("force = -k * position.norm() * position_velocity - position", true),
         ("force = -k * position_velocity.x.hypot(position_velocity.y) * position_velocity", true),
         ("force = -position_velocity.norm().powf(1.5) * position_velocity", true),
+        ("force = { let v = position_velocity.x; vector![-k * v.abs().powf(0.7) * v, 0.0, 0.0] }", true),
+        ("force = { let p = position_momentum.x; vector![-k * p.abs().powf(0.75) * p, 0.0, 0.0] }", true),
+        ("potential = k * position.x.powi(4).sqrt()", true),
         ("force = -k * (1.0 - (-position.norm()).exp()) * position.normalize()", true),
         // of these the derivative has a limit that is not known here
         ("potential = position.norm().powf(k)", false),

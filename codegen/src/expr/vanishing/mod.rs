@@ -263,7 +263,13 @@ impl<'a> Vanishing<'a> {
                     self.learn(x, order);
                 }
             }
-            Node::Product(_) => self.learn_square(id, order),
+            Node::Product(_) => {
+                if let &[(factor, e)] = &others(self.arena, id)[..]
+                    && e > 0
+                {
+                    self.learn(factor, order / f64::from(e));
+                }
+            }
             Node::Sum(sum) => {
                 let is_positive =
                     |&(term, c): &(Id, Number)| !c.is_negative() && square(self.arena, term).is_some();
@@ -807,16 +813,21 @@ fn powered(order: f64, exponent: f64) -> f64 {
     }
 }
 
-/// Whether a term is an even power of something times squares, constants and what is positive; and of what, if there is
-/// one such power.
-fn square(arena: &Arena, term: Id) -> Option<Option<(Id, i32)>> {
-    let factors = match arena.node(term) {
+/// The factors of a term that are neither constant nor positive.
+fn others(arena: &Arena, term: Id) -> Vec<(Id, i32)> {
+    let mut factors = match arena.node(term) {
         Node::Product(factors) => factors.to_vec(),
         _ => vec![(term, 1)],
     };
     let is_constant = |id: Id| arena.expr(id).stage() == Stage::Parameters;
-    let others: Vec<_> =
-        factors.into_iter().filter(|&(id, _)| !is_constant(id) && !arena.is_positive(id)).collect();
+    factors.retain(|&(id, _)| !is_constant(id) && !arena.is_positive(id));
+    factors
+}
+
+/// Whether a term is an even power of something times squares, constants and what is positive; and of what, if there is
+/// one such power.
+fn square(arena: &Arena, term: Id) -> Option<Option<(Id, i32)>> {
+    let others = others(arena, term);
     if others.iter().any(|&(id, e)| e % 2 != 0 && !arena.is_nonnegative(id)) {
         return None;
     }
