@@ -207,7 +207,7 @@ macro_rules! each {
     };
 }
 
-/// Operations of three operands, by the processor's instruction if it has one.
+/// Comparisons, by the processor's instruction if it has one.
 macro_rules! comparisons {
     ($($name:ident $operator:tt),*) => {
         $(#[inline(always)]
@@ -221,6 +221,7 @@ macro_rules! comparisons {
     };
 }
 
+/// Operations of three operands, likewise.
 macro_rules! three_operands {
     ($($name:ident if $native:expr),*) => {
         $(#[inline(always)]
