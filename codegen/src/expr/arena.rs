@@ -226,12 +226,41 @@ impl Arena {
         {
             return self.product(coefficient, merged);
         }
+        if let Some(merged) = self.with_whole_powers(&merged) {
+            return self.product(coefficient, merged);
+        }
         let base = match merged.as_slice() {
             [] => return self.intern(Node::Number(coefficient)),
             [(id, 1)] => *id,
             _ => self.intern(Node::Product(merged.into())),
         };
         self.sum(Number::ZERO, [(base, coefficient)])
+    }
+
+    /// `xⁿ x = xⁿ⁺¹`, and `xⁿ/x = xⁿ⁻¹`, where n is no number: where x is zero the left sides may be no numbers where the others are.
+    fn with_whole_powers(&self, factors: &[(Id, i32)]) -> Option<Vec<(Id, i32)>> {
+        let is_root = |id: Id, of: Id| self.node(id) == Node::Function(Function::Sqrt, of);
+        let times = |exponent: Id, e: i32| self.expr(exponent).scale(Number::from(i64::from(e)));
+        factors.iter().enumerate().find_map(|(place, &(factor, e))| {
+            let Node::Power(base, exponent) = self.node(factor) else { return None };
+            if matches!(self.node(exponent), Node::Number(_)) {
+                return None;
+            }
+            let (other, more) = factors.iter().enumerate().find_map(|(other, &(id, k))| {
+                let more = match self.node(id) {
+                    _ if id == base => self.number(Number::from(i64::from(k))),
+                    _ if is_root(base, id) => self.number(Number::from(2 * i64::from(k))),
+                    _ if is_root(id, base) => self.number(Number::ratio(i128::from(k), 2)),
+                    Node::Power(x, exponent) if x == base && other > place => times(exponent, k),
+                    _ => return None,
+                };
+                Some((other, more))
+            })?;
+            let mut factors = factors.to_vec();
+            factors[place] = (self.power(base, (times(exponent, e) + more).id), 1);
+            factors.remove(other);
+            Some(factors)
+        })
     }
 
     /// `function(argument)`, folded where the value is exactly known.

@@ -24,6 +24,7 @@
 //! derivatives that are [not taken again](super::Derivative::last). A root that a parameter `l` is subtracted from, in
 //! `(r − l)²`, [is of a little more](Expr::with_lengths) where `l` is zero.
 
+mod corrections;
 mod odd;
 mod order;
 mod sums;
@@ -353,11 +354,23 @@ impl<'a> Vanishing<'a> {
                 Node::Sum(sum) => sum.terms.iter().any(|(term, _)| self.divided[term]),
                 Node::Held(inner) => self.divided[&inner],
                 Node::Choice([_, y, z]) => self.divided[&y] || self.divided[&z],
-                _ => self.exponent(id).is_some_and(Number::is_negative),
+                _ => {
+                    self.exponent(id).is_some_and(Number::is_negative)
+                        || self.uncertain_exponent(id).is_some()
+                }
             };
             self.divided.insert(id, is_divided);
         }
         self.divided[&root]
+    }
+
+    /// The exponent of a power of the base that is known before a step begins, and may be negative: `n − 1`.
+    fn uncertain_exponent(&self, id: Id) -> Option<Expr<'a>> {
+        let Node::Power(x, exponent) = self.arena.node(id) else { return None };
+        let of_base = self.exponent(x)?;
+        let is_less = matches!(self.arena.node(exponent), Node::Sum(sum) if sum.constant.is_negative());
+        let exponent = self.arena.expr(exponent);
+        (is_less && exponent.stage() == Stage::Parameters).then(|| exponent.scale(of_base))
     }
 
     /// A node that is multiplied by something of an order.
@@ -409,6 +422,10 @@ impl<'a> Vanishing<'a> {
                     _ => (factor, e),
                 });
                 let product: Vec<_> = there.chain([(branch, 1)]).collect();
+                // of others nothing may be left to divide by there
+                if product.iter().any(|&(factor, e)| e > 0 && self.is_zero(factor)) {
+                    return self.arena.zero().id;
+                }
                 self.limit_of_product(&product, around)
             });
             return self.arena.choice([x, y, z]);
@@ -539,15 +556,8 @@ impl<'a> Vanishing<'a> {
         rest: &[(Id, i32)],
         total: f64,
     ) -> Option<Id> {
-        if !power.is_negative() {
-            return None;
-        }
         let (place, exponent) = rest.iter().enumerate().find_map(|(place, &(factor, e))| {
-            let Node::Power(x, exponent) = self.arena.node(factor) else { return None };
-            let of_base = self.exponent(x).filter(|_| e == 1)?;
-            let exponent = self.arena.expr(exponent);
-            let is_constant = exponent.as_number().is_none() && exponent.stage() == Stage::Parameters;
-            is_constant.then_some((place, exponent.scale(of_base)))
+            Some((place, self.uncertain_exponent(factor).filter(|_| e == 1)?))
         })?;
         // the order of the others is a multiple of a half, or is not known as well
         let others = Number::ratio((total * 4.0).floor() as i128, 4);
@@ -556,7 +566,23 @@ impl<'a> Vanishing<'a> {
         let mut limit = rest.to_vec();
         limit[place].0 = self.arena.function(Function::RecipOrZero, self.arena.power(self.base, inverse.id));
         let limit = self.arena.product(Number::ONE, limit);
-        Some(self.arena.choice([(-order).id, limit, self.arena.product(Number::ONE, factors.to_vec())]))
+        let whole = self.arena.product(Number::ONE, factors.to_vec());
+        // what is a multiple of `n − 2` is nothing for `n = 2`
+        let constants: Vec<_> = rest
+            .iter()
+            .copied()
+            .filter(|&(factor, e)| {
+                e > 0 && self.arena.expr(factor).stage() <= Stage::Parameters && self.is_uncertain(factor)
+            })
+            .collect();
+        let whole = match constants.is_empty() {
+            true => whole,
+            false => {
+                let size = self.arena.expr(self.arena.product(Number::ONE, constants));
+                self.arena.choice([size.choose(size, -size).id, whole, self.arena.zero().id])
+            }
+        };
+        Some(self.arena.choice([(-order).id, limit, whole]))
     }
 
     /// The condition and the branches of a choice.

@@ -8,6 +8,7 @@ use super::path::{Given, Motion};
 use crate::expr::{Number, Series, Vector};
 use crate::method::discretization::Discretization;
 use crate::model::System;
+use crate::quantity::ScalarType;
 
 pub(super) fn derivatives<'a>(discretization: &Discretization<'_, 'a>, order: usize) -> Derivatives<'a> {
     let Discretization { system, carrying, step, .. } = discretization;
@@ -46,7 +47,12 @@ pub(super) fn derivatives<'a>(discretization: &Discretization<'_, 'a>, order: us
     };
     let kicks: Vec<Vector<'a>> = (1..=top).step_by(2).filter(|_| is_kicked).map(&mut kick).collect();
     let square = *step * *step;
-    let rest = |all: &[Vector<'a>]| polynomial(all.get(1..)?, square).map(|rest| rest.scale(square));
+    let first: Vec<_> = means.first().into_iter().chain(kicks.first()).collect();
+    let is_single = system.scalar == ScalarType::F32;
+    let rest = |all: &[Vector<'a>]| {
+        let rest: Vec<_> = all.get(1..)?.iter().map(|terms| terms.without_poles(&first, is_single)).collect();
+        polynomial(&rest, square).map(|rest| rest.scale(square))
+    };
     Derivatives::OfVelocity {
         momentum: means[0].clone(),
         correction: rest(&means),
