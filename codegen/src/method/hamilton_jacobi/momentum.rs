@@ -14,7 +14,6 @@ use super::path::{Given, Motion, mean_over_step};
 use crate::expr::{Expr, Vector, gradient};
 use crate::group::SemidirectVector;
 use crate::method::discretization::{Discretization, bind};
-use crate::quantity::ScalarType;
 
 pub(super) fn derivatives<'a>(discretization: &Discretization<'_, 'a>, order: usize) -> Derivatives<'a> {
     let Discretization { system, step, .. } = discretization;
@@ -82,12 +81,7 @@ fn function<'a>(discretization: &Discretization<'_, 'a>, order: usize) -> Expr<'
         let part = motion.series.part(integrand, weight);
         mean_over_step(&part, weight, zero).substitute(&back).hold()
     });
-    let mut terms: Vec<Expr<'a>> = terms.collect();
-    let symbols = [system.momentum().symbols(), g.symbols()].concat();
-    let first = terms.first().map(|&first| gradient(first, &symbols));
-    let first: Vec<_> = first.iter().collect();
-    let corrections = Vector(terms.split_off(terms.len().min(1)));
-    terms.extend(corrections.without_poles(&first, system.scalar == ScalarType::F32).iter());
+    let terms: Vec<Expr<'a>> = terms.collect();
     let square = *step * *step;
     let mut highest_first = terms.into_iter().rev();
     let last = highest_first.next().unwrap_or(zero);
