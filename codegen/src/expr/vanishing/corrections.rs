@@ -80,6 +80,17 @@ impl Vanishing<'_> {
         roots.iter().map(|id| known[id]).collect()
     }
 
+    /// Whether it is zero where the base is.
+    pub(super) fn is_guarded(&self, id: Id) -> bool {
+        let Node::Choice([x, _, z]) = self.arena.node(id) else { return false };
+        let Node::Sum(sum) = self.arena.node(x) else { return false };
+        let is_less = |&(term, c): &(Id, Number)| c.is_negative() && self.exponent(term).is_some();
+        self.is_zero(z)
+            && !sum.constant.is_zero()
+            && !sum.constant.is_negative()
+            && sum.terms.iter().all(is_less)
+    }
+
     /// A power of the base where that is not zero. It is a choice: of [`Function::RecipOrZero`] derivatives find anew whether it has a limit.
     fn or_zero(&self, power: Id, least: f64) -> Id {
         let root = self.arena.expr(self.power(half()));

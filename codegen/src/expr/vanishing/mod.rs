@@ -353,7 +353,7 @@ impl<'a> Vanishing<'a> {
                 }),
                 Node::Sum(sum) => sum.terms.iter().any(|(term, _)| self.divided[term]),
                 Node::Held(inner) => self.divided[&inner],
-                Node::Choice([_, y, z]) => self.divided[&y] || self.divided[&z],
+                Node::Choice([_, y, z]) => !self.is_guarded(id) && (self.divided[&y] || self.divided[&z]),
                 _ => {
                     self.exponent(id).is_some_and(Number::is_negative)
                         || self.uncertain_exponent(id).is_some()
