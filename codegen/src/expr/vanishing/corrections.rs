@@ -20,7 +20,9 @@ impl Vector<'_> {
         while let Some(base) = arena.radicand(place) {
             let vanishing = Vanishing::new(arena, base, Chosen::Nothing);
             let mut firsts = first.iter().flat_map(|terms| terms.iter());
-            if ids.iter().any(|&id| vanishing.is_divided_in(id, true))
+            // of what may be less than zero roots are taken in a branch alone
+            if arena.is_nonnegative(base)
+                && ids.iter().any(|&id| vanishing.is_divided_in(id, true))
                 && !firsts.any(|expr| vanishing.is_divided_in(expr.id, false))
             {
                 ids = vanishing.smoothed(&ids, LEAST[usize::from(is_single)]);
@@ -32,11 +34,12 @@ impl Vector<'_> {
 }
 
 impl Vanishing<'_> {
-    /// Whether anything in it is divided by the base, or only what is infinite with it.
+    /// Whether anything in it is divided by the base, or may be; or only what is infinite with it.
     fn is_divided_in(&self, root: Id, with_limits: bool) -> bool {
         let is_divided = |id: Id, e: i32| {
             let has_limit = matches!(self.arena.node(id), Node::Function(Function::RecipOrZero, _));
-            (with_limits || !has_limit) && self.rough_power(id, e).is_some_and(Number::is_negative)
+            let is_negative = self.rough_power(id, e).is_some_and(Number::is_negative);
+            is_negative && (with_limits || !has_limit) || with_limits && self.uncertain_exponent(id).is_some()
         };
         self.arena.post_order([root], |_| false).into_iter().any(|id| match self.arena.node(id) {
             Node::Product(factors) => factors.iter().any(|&(factor, e)| is_divided(factor, e)),
