@@ -240,7 +240,8 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
 
     #[inline(always)]
     fn ready_for(&self) -> u64 {
-        if !self.whole {
+        // where it is driven, each step has a control of its own
+        if !self.whole || self.inputs.is_some() {
             return 0;
         }
         self.steps.as_ref().iter().fold(u64::MAX, |all, step| all.min(step.ready_for()))

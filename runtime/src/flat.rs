@@ -6,8 +6,8 @@ use std::vec::Vec;
 
 use thiserror::Error;
 
-use crate::method::{self, Advanced, Clock, Counted, Failure, Stage, StepsReport};
-use crate::scalar::{Batch, Components, Scalar, Work};
+use crate::method::{self, Advanced, Clock, Counted, Failure, StepsReport};
+use crate::scalar::{Batch, Components, Scalar};
 
 /// Writes the control at a share of a step.
 pub(crate) type WriteInput<'a, T> = dyn FnMut(f64, &mut [T]) + 'a;
@@ -126,11 +126,8 @@ impl<M: method::Method, const BATCHES: bool> Method<M::Scalar> for ([M::CallSite
         control: &[M::Scalar],
         known: bool,
     ) -> Counted<M::Scalar> {
-        let (method, state, control) = (&mut self.1.0, &array(state), &array(control));
-        let step = Stage { method, from: None, state, time, control, known };
-        // numbers side by side need the instructions that they are made for
-        let outcome = if const { M::Scalar::LANES > 1 } { M::Scalar::dispatch(step) } else { step.done() };
-        match outcome {
+        // in code that is there for many steps, too
+        match self.1.0.advance_apart::<BATCHES>(&array(state), time, &array(control), known) {
             Ok(advanced) => Ok(written(next, advanced)),
             Err(failure) => Err(failed(next, failure)),
         }
@@ -149,7 +146,7 @@ impl<M: method::Method, const BATCHES: bool> Method<M::Scalar> for ([M::CallSite
         }
         let (mut now, mut failure) = (array(state), None);
         let in_lanes = const { M::Scalar::LANES > 1 }.then_some(&mut failure);
-        let marched = self.1.0.advance_n(&mut now, clock, &array(control), most, in_lanes);
+        let marched = self.1.0.advance_n::<true>(&mut now, clock, &array(control), true, most, in_lanes);
         write(state, &now);
         (marched, failure.map(|failure| failed(next, failure)))
     }

@@ -2,7 +2,7 @@
 
 use core::marker::PhantomData;
 
-use crate::method::{Advanced, Clock, Failure, Method, Outcome, Stage, StepsReport};
+use crate::method::{Advanced, Clock, Failure, Method, Outcome, StepsReport};
 use crate::scalar::simd::lanes::{Portable, Processor};
 use crate::scalar::simd::loads::one_by_one;
 use crate::scalar::{Batch, Components, LongWork, On, Scalar, Work, functions, mapped, operators};
@@ -105,7 +105,7 @@ impl<T: Batch, B: Method<Scalar = FusedScalar<T>>, C: Components<T>> Work for St
     fn done(self) -> Outcome<T, C> {
         let Self { method, from, state, time, control, known } = self;
         let state = &wrapped(&one_by_one::<T, _>(state));
-        match (Stage { method, from, state, time, control, known }).done() {
+        match method.advance_in_line(from, state, time, control, known) {
             Ok(advanced) => Ok(without(advanced)),
             Err(Failure { errors, advanced }) => Err(Failure { errors, advanced: without(advanced) }),
         }
@@ -175,18 +175,19 @@ impl<S: Discretized<M>, M, T: Batch> Method for FusedMethod<S, M, T> {
     }
 
     #[inline(always)]
-    fn advance_n(
+    fn advance_n<const WIDE: bool>(
         &mut self,
         state: &mut Self::State,
         clock: Clock,
         control: &Self::Control,
+        known: bool,
         most: u64,
         failed: Option<&mut Option<Failure<T, Self::State>>>,
     ) -> StepsReport<T> {
         let (mut now, mut failure) = (wrapped(state), None);
         let inner = failed.is_some().then_some(&mut failure);
         let StepsReport { steps, iterations, max_iterations, max_residual } =
-            self.0.advance_n(&mut now, clock, &wrapped(control), most, inner);
+            self.0.advance_n::<WIDE>(&mut now, clock, &wrapped(control), known, most, inner);
         *state = unwrapped(&now);
         if let (Some(failed), Some(Failure { errors, advanced })) = (failed, failure) {
             *failed = Some(Failure { errors, advanced: without(advanced) });

@@ -3,8 +3,8 @@
 //! Over one number or over several side by side: what fails then fails in its lane, and the others go on.
 
 use crate::error::StepError;
-use crate::scalar::simd::lanes::Processor;
-use crate::scalar::{Batch, Components, LongWork, Real, Scalar, Work};
+use crate::scalar::simd::lanes::{Portable, Processor};
+use crate::scalar::{Batch, Components, LongWork, On, Real, Scalar, Work};
 use crate::snapshot::visit_flag;
 
 /// A discretization of one system with one step size, on flat arrays.
@@ -40,20 +40,86 @@ pub trait Method: Clone + Send + Sync {
         self.advance_from(None, state, time, control, known)
     }
 
-    /// Takes steps, up to `most`, with `control` held all the time, from a state that is known; fewer if one fails, of which nothing remains
-    /// where the state is of one member. In lanes it has led on where nothing was wrong: it is not to be taken again, and is left in `failed`.
-    /// Faster than one by one, with the same result.
+    /// Takes steps, up to `most`, with `control` held all the time; fewer if one fails, of which nothing remains where the state is of one
+    /// member. In lanes it has led on where nothing was wrong: it is not to be taken again, and is left in `failed`. Faster than one by one, with
+    /// the same result. `WIDE`: compiled for each kind of processor, or for the one that the program is built for.
     #[inline(always)]
-    fn advance_n(
+    fn advance_n<const WIDE: bool>(
         &mut self,
         state: &mut Self::State,
         clock: Clock,
         control: &Self::Control,
+        known: bool,
         most: u64,
         failed: Option<&mut Option<Failure<Self::Scalar, Self::State>>>,
     ) -> StepsReport<Self::Scalar> {
-        let work = AdvanceN { method: self, state, clock, control, most, known: true, failed };
-        Self::Scalar::dispatch_wide(work)
+        let work = AdvanceN { method: self, state, clock, control, most, known, failed };
+        if const { WIDE } {
+            Self::Scalar::dispatch_wide(work)
+        } else {
+            Self::Scalar::dispatch(On::<Portable, _>::new(work))
+        }
+    }
+
+    /// Takes a step, or what is left of one `from` a stage on, compiled in line as far as [`advance`](Self::advance) is.
+    ///
+    /// # Errors
+    /// As there.
+    #[inline(always)]
+    fn advance_in_line(
+        &mut self,
+        from: Option<usize>,
+        state: &Self::State,
+        time: Self::Scalar,
+        control: &Self::Control,
+        known: bool,
+    ) -> Outcome<Self::Scalar, Self::State> {
+        match from {
+            Some(_) => self.advance_from(from, state, time, control, known),
+            None => self.advance(state, time, control, known),
+        }
+    }
+
+    /// Takes a step as [`advance`](Self::advance) does, compiled once for all that do not need it in line.
+    ///
+    /// # Errors
+    /// As there.
+    #[inline(always)]
+    fn advance_apart<const WIDE: bool>(
+        &mut self,
+        state: &Self::State,
+        time: Self::Scalar,
+        control: &Self::Control,
+        known: bool,
+    ) -> Outcome<Self::Scalar, Self::State> {
+        self.advance_as_many::<WIDE>(state, time, control, known)
+    }
+
+    /// Takes a step as one of [many](Self::advance_n).
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance).
+    #[inline(always)]
+    fn advance_as_many<const WIDE: bool>(
+        &mut self,
+        state: &Self::State,
+        time: Self::Scalar,
+        control: &Self::Control,
+        known: bool,
+    ) -> Outcome<Self::Scalar, Self::State> {
+        if const { Self::Scalar::LANES == 1 && !Self::HAS_FAST_PATH } {
+            return Self::Scalar::dispatch(Stage { method: self, from: None, state, time, control, known });
+        }
+        let (mut next, mut failure) = (*state, None);
+        let failed = Some(&mut failure);
+        let report = self.advance_n::<WIDE>(&mut next, Clock::at(time), control, known, 1, failed);
+        match failure {
+            Some(failure) => Err(failure),
+            None => {
+                let StepsReport { max_iterations: iterations, max_residual: residual, .. } = report;
+                Ok(Advanced { state: next, iterations, residual })
+            }
+        }
     }
 
     /// How many equations a step solves, one after the other.
@@ -208,7 +274,7 @@ impl<M: Method> LongWork for AdvanceN<'_, M> {
         // not in memory
         let mut now = *state;
         while report.steps < most {
-            let (mut stage, mut at) = (0, now);
+            let (mut from, mut at) = (None, now);
             let ready_for = method.ready_for();
             if known && ready_for > 0 {
                 let until = most.min(report.steps.saturating_add(ready_for));
@@ -228,12 +294,13 @@ impl<M: Method> LongWork for AdvanceN<'_, M> {
                 let more = method.leave(&mut path, steps, halted.unwrap_or(0));
                 let (iterations, residual) = method.on_fast_path();
                 report.count(steps, &iterations, residual, more);
-                let Some(halted) = halted else { continue };
-                stage = halted;
+                if halted.is_none() {
+                    continue;
+                }
+                from = halted;
             }
             let time = M::Scalar::of(clock.after(report.steps));
-            let slow = Stage { method, from: Some(stage), state: &at, time, control, known };
-            match M::Scalar::dispatch(slow) {
+            match M::Scalar::dispatch(Stage { method, from, state: &at, time, control, known }) {
                 Ok(Advanced { state, iterations, residual }) => {
                     (now, known) = (state, true);
                     report.steps += 1;
@@ -292,7 +359,7 @@ impl<T: Batch, S> Failure<T, S> {
     }
 }
 
-/// A step, or a stage of one, and those after it.
+/// A step, or what is left of one from a stage on, apart from those on the fast path.
 pub(crate) struct Stage<'a, B: Method> {
     pub(crate) method: &'a mut B,
     /// The first stage to be taken, if it needs more than there is on the fast path.
@@ -310,10 +377,7 @@ impl<B: Method> Work for Stage<'_, B> {
     #[inline(always)]
     fn done(self) -> Self::Result {
         let Self { method, from, state, time, control, known } = self;
-        match from {
-            Some(_) => method.advance_from(from, state, time, control, known),
-            None => method.advance(state, time, control, known),
-        }
+        method.advance_from(from, state, time, control, known)
     }
 }
 
@@ -334,8 +398,7 @@ impl<T: Batch> StageAccumulator<T> {
         Self { errors: T::all(None), is_flawless: true, iterations: T::all(0), residual: T::of(0.0) }
     }
 
-    /// Takes a stage: out of line, so that it is compiled once for all that use it; next to a step a call costs nothing.
-    /// What is counted is counted with the caller's instructions.
+    /// Takes a stage.
     ///
     /// # Errors
     /// If something went wrong in every lane.
@@ -349,9 +412,7 @@ impl<T: Batch> StageAccumulator<T> {
         control: &B::Control,
         known: bool,
     ) -> Result<B::State, Failure<T, B::State>> {
-        let stage = Stage { method, from, state, time, control, known };
-        // of one number the fast path is part of what takes the stages; in lanes each is long
-        self.count(if const { T::LANES == 1 } { stage.done() } else { T::dispatch(stage) })
+        self.count(method.advance_in_line(from, state, time, control, known))
     }
 
     /// Counts a stage that was taken. Where it leads to.

@@ -9,7 +9,9 @@ use super::rescue::{Rescue, Rescued};
 use super::{Solution, fixed_point, go_on};
 use crate::error::StepError;
 use crate::kernel::{self, AtState, Evaluation, Kernel, is_inside, is_surely_finite};
-use crate::method::{AdvanceN, Advanced, Clock, Failure, Method, Outcome, StepsReport};
+#[cfg(feature = "dynamic")]
+use crate::method::Clock;
+use crate::method::{Advanced, Failure, Method, Outcome};
 use crate::scalar::blocks::{change, is_within, less, plus, select};
 use crate::scalar::simd::lanes::{Portable, Processor};
 use crate::scalar::simd::loads::{apart, apart_here, one_by_one};
@@ -107,15 +109,41 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
     ) -> Outcome<T, K::State> {
         if const { T::LANES > 1 } {
             // one piece of code for one step and for many
-            let (mut next, mut failure) = (*state, None);
-            let (clock, failed) = (Clock::at(time), Some(&mut failure));
-            let work = AdvanceN { method: self, state: &mut next, clock, control, most: 1, known, failed };
-            let StepsReport { max_iterations, max_residual, .. } = T::dispatch_wide(work);
-            return match failure {
-                Some(failure) => Err(failure),
-                None => Ok(Advanced { state: next, iterations: max_iterations, residual: max_residual }),
-            };
+            return self.advance_as_many::<true>(state, time, control, known);
         }
+        self.advance_one::<true>(state, time, control, known)
+    }
+
+    #[inline(always)]
+    fn advance_apart<const WIDE: bool>(
+        &mut self,
+        state: &K::State,
+        time: T,
+        control: &K::Control,
+        known: bool,
+    ) -> Outcome<T, K::State> {
+        if const { T::LANES > 1 } {
+            return self.advance_as_many::<WIDE>(state, time, control, known);
+        }
+        self.advance_one::<false>(state, time, control, known)
+    }
+
+    fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
+        let Self { kernel, memory } = self;
+        memory.memory(Convergence::of(kernel), Continuation::of(kernel), visit);
+    }
+}
+
+impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
+    /// Takes a step of one number: on the fast path, or farther, which is compiled `IN_LINE` as far as it is as most steps are.
+    #[inline(always)]
+    fn advance_one<const IN_LINE: bool>(
+        &mut self,
+        state: &K::State,
+        time: T,
+        control: &K::Control,
+        known: bool,
+    ) -> Outcome<T, K::State> {
         let mut first = None;
         // nearly all steps go this way
         if known && self.ready_for() > 0 {
@@ -134,19 +162,12 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
                 Err(ended) => first = ended,
             }
         }
-        self.advance_farther(state, time, control, known, first)
+        self.advance_farther::<IN_LINE>(state, time, control, known, first)
     }
 
-    fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
-        let Self { kernel, memory } = self;
-        memory.memory(Convergence::of(kernel), Continuation::of(kernel), visit);
-    }
-}
-
-impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
     /// Takes a step that needs more than there is on the fast path, where a `first` iteration may have been made.
     #[inline(always)]
-    pub(crate) fn advance_farther(
+    pub(crate) fn advance_farther<const IN_LINE: bool>(
         &mut self,
         state: &K::State,
         time: T,
@@ -155,7 +176,7 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
         first: Option<K::Unknown>,
     ) -> Outcome<T, K::State> {
         // in line, so that numbers stay in registers: a step with four iterations takes a third less
-        if known && const { !K::IS_LONG } && self.memory.is_regular() {
+        if known && const { IN_LINE && !K::IS_LONG } && self.memory.is_regular() {
             let Self { kernel, memory } = self;
             let (step, facts) = (&kernel.begin(state, time, control), Facts::of(kernel));
             let equation = &AtState { kernel: &*kernel, state, step };

@@ -8,9 +8,9 @@ use core::fmt;
 use core::marker::PhantomData;
 
 use crate::error::{ParameterError, StepError};
-use crate::method::{Advanced, Clock};
+use crate::method::{Advanced, Clock, Stage};
 use crate::scalar::simd::loads::{apart, one_by_one};
-use crate::scalar::{Components, Real, Scalar};
+use crate::scalar::{Batch, Components, Real, Scalar};
 use crate::snapshot::{self, visit_flag};
 pub use crate::system::stepper::Stepper;
 pub(crate) use crate::system::stepper::check_step;
@@ -282,7 +282,9 @@ impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
     #[inline(never)]
     fn step_anew(&mut self, state: &mut S::State, control: &S::Control) -> Result<StepReport, StepError> {
         check_deviation(state.deviation().to_f64())?;
-        match self.method.advance(&state.to_components(), self.now(), &control.to_components(), false) {
+        let (time, method, control) = (self.now(), &mut self.method, &control.to_components());
+        let step = Stage { method, from: None, state: &state.to_components(), time, control, known: false };
+        match S::Scalar::dispatch(step) {
             // in a function with the same lines above, what is in registers there would go through memory
             Ok(Advanced { state: next, iterations, residual }) => {
                 let next = one_by_one::<S::Scalar, _>(&next);
@@ -332,13 +334,9 @@ impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
             let mut components = state.to_components();
             if self.is_left_at(&components) {
                 let most = count - report.steps;
-                let advanced = self.method.advance_n(
-                    &mut components,
-                    self.clock(),
-                    &control.to_components(),
-                    most,
-                    None,
-                );
+                let control = &control.to_components();
+                let advanced =
+                    self.method.advance_n::<true>(&mut components, self.clock(), control, true, most, None);
                 *state = S::State::from_components(&components);
                 self.left = Some(components);
                 self.taken += advanced.steps;

@@ -79,7 +79,7 @@ impl<T: Called, const U: usize> DynamicMethod<T, U> {
         let layout = &step.layout;
         let outcome = if has_first {
             let first = joined.frame().array(layout.out.clone());
-            joined.user().advance_farther(&[], time, &[], known, Some(first))
+            joined.user().advance_farther::<true>(&[], time, &[], known, Some(first))
         } else {
             joined.user().advance(&[], time, &[], known)
         };
