@@ -11,6 +11,7 @@ use crate::in_one_frame::InOneFrame;
 pub(crate) struct InterpretedSeries {
     blocks: Vec<usize>,
     controls: Option<usize>,
+    rates: Option<usize>,
     events: Vec<usize>,
     functions: InOneFrame<TaylorRole>,
 }
@@ -18,9 +19,10 @@ pub(crate) struct InterpretedSeries {
 impl InterpretedSeries {
     /// Those of a program.
     pub(crate) fn shared(program: &TaylorProgram) -> Arc<dyn SeriesFunctions> {
-        let TaylorProgram { blocks, controls, events, module } = program;
+        let TaylorProgram { blocks, controls, rates, events, module } = program;
         let functions = InOneFrame::new(module, RecordKind::Step);
-        Arc::new(Self { blocks: blocks.clone(), controls: *controls, events: events.clone(), functions })
+        let (blocks, events) = (blocks.clone(), events.clone());
+        Arc::new(Self { blocks, controls: *controls, rates: *rates, events, functions })
     }
 
     /// Computes a function, and writes its results.
@@ -43,6 +45,10 @@ impl SeriesFunctions for InterpretedSeries {
 
     fn controls(&self) -> Option<usize> {
         self.controls
+    }
+
+    fn rates(&self) -> Option<usize> {
+        self.rates
     }
 
     fn events(&self) -> &[usize] {

@@ -174,12 +174,14 @@ pub(crate) fn step<'a>(
 
 /// The power series of a system's motion. None where a function in its description has no closed recurrence.
 pub(crate) fn series<'a>(arena: &'a Arena, system: &System<'a>) -> Option<TaylorProgram> {
-    let velocity = match system.energy {
+    let mut velocity = match system.energy {
         Energy::Lagrangian(_) => system.velocity_symbols().symbols(),
         _ => Vec::new(),
     };
+    let taylor = taylor(arena, system)?;
+    velocity.extend(&taylor.rate_symbols);
     let inputs = Inputs::of(system).with(Input::Velocity, velocity);
-    Some(kernel::taylor(arena, &taylor(arena, system)?, inputs))
+    Some(kernel::taylor(arena, &taylor, inputs))
 }
 
 /// Parameters and state.

@@ -33,7 +33,8 @@ pub fn taylor<'a>(arena: &'a Arena, taylor: &Taylor<'a>, inputs: Inputs) -> Tayl
     let placement = Homes::of_maps(&code.dag, &functions[1..], Stage::Iteration, RecordKind::Step);
     functions[0].record = Some(RecordKind::Step);
     let (blocks, events) = (taylor.blocks.clone(), taylor.events.clone());
-    TaylorProgram { blocks, controls: taylor.controls, events, module: code.module(placement, functions) }
+    let Taylor { controls, rates, .. } = *taylor;
+    TaylorProgram { blocks, controls, rates, events, module: code.module(placement, functions) }
 }
 
 impl Results for TaylorRole {

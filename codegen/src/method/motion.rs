@@ -1,7 +1,7 @@
 //! The motion of a system as a vector field, in its velocity.
 
 use super::discretization::{Values, bind};
-use crate::expr::{Arena, Derivative, Expr, Vector, gradient};
+use crate::expr::{Arena, Derivative, Expr, Symbol, Vector, gradient};
 use crate::group::SemidirectVector;
 use crate::model::{Energy, System};
 
@@ -19,7 +19,13 @@ pub(super) struct Field<'a> {
 }
 
 impl<'a> Field<'a> {
+    /// The motion with controls that are held.
     pub(super) fn new(arena: &'a Arena, system: &System<'a>) -> Self {
+        Self::driven(arena, system, &[])
+    }
+
+    /// The motion with controls that change at these rates.
+    pub(super) fn driven(arena: &'a Arena, system: &System<'a>, rates: &[(Symbol, Expr<'a>)]) -> Self {
         let (group, g, xi) = (&system.group, system.configuration(), system.velocity_symbols());
         let by_advected = system.advected().map(|a| gradient(system.potential(), &a.value.symbols()));
         let velocity = SemidirectVector { base: xi.clone(), spaces: by_advected.collect() };
@@ -33,6 +39,7 @@ impl<'a> Field<'a> {
             bind(&mut direction, &advected.value, change);
         }
         direction.extend(system.time_symbol().into_iter().map(|time| (time, arena.one())));
+        direction.extend(rates.iter().copied());
         let acceleration = match &system.energy {
             Energy::Mechanical { inertia, .. } => inertia.solve_symmetric(&change),
             Energy::Hamiltonian(energy) => {

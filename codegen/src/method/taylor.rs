@@ -16,7 +16,7 @@ use std::collections::BTreeSet;
 
 use super::discretization::{Values, bind};
 use super::motion::Field;
-use crate::expr::{Arena, Expr, Recurrences, Stage, Unknown, Vector, gradient};
+use crate::expr::{Arena, Expr, Recurrences, Stage, Symbol, Unknown, Vector, gradient};
 use crate::group::{Retraction, Semidirect, Side};
 use crate::model::{Advected, Energy, Parts, System};
 use crate::quantity::Kind;
@@ -31,6 +31,10 @@ pub struct Taylor<'a> {
     pub blocks: Vec<usize>,
     /// Where the controls stand among the unknowns, if they have a part in the motion: held ones have no higher coefficients.
     pub controls: Option<usize>,
+    /// Where the rates at which they change stand, if the velocity depends on them: those of held ones are zero.
+    pub rates: Option<usize>,
+    /// Stand for these rates at the start.
+    pub rate_symbols: Vec<Symbol>,
     /// The events whose series there are.
     pub events: Vec<usize>,
     /// Stand for the unknowns at the end of the step.
@@ -47,8 +51,9 @@ struct Unknowns<'a> {
     /// Stand for them at the end of the step.
     end: Vec<Expr<'a>>,
     blocks: Vec<usize>,
-    /// Where the controls stand.
+    /// Where the controls stand, and the rates at which they change.
     controls: Option<usize>,
+    rates: Option<usize>,
 }
 
 impl<'a> Unknowns<'a> {
@@ -76,8 +81,9 @@ pub fn taylor<'a>(arena: &'a Arena, system: &System<'a>) -> Option<Taylor<'a>> {
     let end = Vector(unknowns.end.clone());
     let (rate, next) = (motion.rate(&unknowns), motion.next(&unknowns));
     let start = Vector(unknowns.all.iter().map(|unknown| unknown.start).collect());
-    let Unknowns { blocks, controls, .. } = unknowns;
-    Some(Taylor { recurrences, start, blocks, controls, events, end, rate, next })
+    let Unknowns { blocks, controls, rates, .. } = unknowns;
+    let rate_symbols = motion.control_rates.symbols();
+    Some(Taylor { recurrences, start, blocks, controls, rates, rate_symbols, events, end, rate, next })
 }
 
 /// A motion in the unknowns of its series.
@@ -90,6 +96,8 @@ struct Motion<'s, 'a> {
     translations: Vec<Vector<'a>>,
     /// What has a series of its own: the velocity of a Lagrangian, else the momentum.
     moving: Vector<'a>,
+    /// The rates at which the controls change, where the momentum of a velocity depends on them.
+    control_rates: Vector<'a>,
     /// The changes of all of them, and of the advected parameters.
     relative_change: Vector<'a>,
     translation_changes: Vec<Vector<'a>>,
@@ -106,7 +114,19 @@ impl<'s, 'a> Motion<'s, 'a> {
             Vector((1..=length).map(|i| arena.symbol(format!("{name}_{i}"), Stage::Step)).collect())
         };
         let relative = numbered("relative", system.configuration().len());
-        let field = Field::new(arena, system);
+        let controls = system.control_symbols();
+        let by_control = match &system.energy {
+            Energy::Lagrangian(lagrangian) => {
+                gradient(*lagrangian, &system.velocity_symbols().symbols()).depends_on(&controls)
+            }
+            _ => false,
+        };
+        let rates = controls.iter().filter(|_| by_control).map(|&control| {
+            let name = format!("{}_rate", arena.symbol_info(control).name);
+            (control, arena.symbol(name, Stage::Step))
+        });
+        let rates: Vec<(Symbol, Expr<'a>)> = rates.collect();
+        let field = Field::driven(arena, system, &rates);
         let velocity = match &system.energy {
             Energy::Mechanical { inertia, .. } => inertia.inverse().map(Expr::hold).times(&system.momentum()),
             _ => system.velocity(),
@@ -166,6 +186,7 @@ impl<'s, 'a> Motion<'s, 'a> {
             translations,
             translation_changes,
             moving,
+            control_rates: Vector(rates.iter().map(|rate| rate.1).collect()),
             moving_change: there(change),
             advected_changes: field.advected.iter().map(there).collect(),
             events,
@@ -222,6 +243,11 @@ impl<'s, 'a> Motion<'s, 'a> {
             let held = Vector::zeros(arena, symbols.len());
             candidates.push((symbols.clone(), symbols, held, is_controlled));
         }
+        let first_rate = candidates.len();
+        let [rates, held] = [self.control_rates.clone(), Vector::zeros(arena, self.control_rates.len())];
+        if !rates.0.is_empty() {
+            candidates.push((rates.clone(), rates, held, false));
+        }
 
         let mut needed: BTreeSet<usize> =
             candidates.iter().enumerate().filter(|(_, one)| one.3).map(|(place, _)| place).collect();
@@ -243,10 +269,14 @@ impl<'s, 'a> Motion<'s, 'a> {
         if needed.iter().any(|&place| place >= first_control) {
             needed.extend(first_control..candidates.len());
         }
-        let mut unknowns = Unknowns { all: Vec::new(), end: Vec::new(), blocks: Vec::new(), controls: None };
+        let (all, end, blocks) = (Vec::new(), Vec::new(), Vec::new());
+        let mut unknowns = Unknowns { all, end, blocks, controls: None, rates: None };
         for place in needed {
             if place == first_control {
                 unknowns.controls = Some(unknowns.all.len());
+            }
+            if place == first_rate {
+                unknowns.rates = Some(unknowns.all.len());
             }
             let (symbols, starts, changes, _) = &candidates[place];
             unknowns.blocks.push(symbols.len());

@@ -70,6 +70,8 @@ pub struct TaylorProgram {
     pub blocks: Vec<usize>,
     /// Where the controls stand among what has a series, if they have a part in the motion.
     pub controls: Option<usize>,
+    /// Where the rates stand at which the controls change, if the velocity depends on them: the last numbers of its start.
+    pub rates: Option<usize>,
     /// The events whose series there are.
     pub events: Vec<usize>,
     /// Its functions.

@@ -2,8 +2,11 @@
 //!
 //! An input is asked at Chebyshev's points of the step that is tried, none of which is an end of it, and the polynomial through its values takes
 //! its place. The last coefficients in Chebyshev's polynomials, and four more points, two of them at its very ends, tell how close that is,
-//! relative to the largest that the input has been; a step over which it is not as close as the tolerance is made shorter. So a jump is closed in on, and crossed by a step so short that it changes no more than the tolerance
-//! allows.
+//! relative to the largest that the input has been; a step over which it is not as close as the tolerance is made shorter. So a jump is closed in on,
+//! and crossed by a step so short that it changes no more than the tolerance allows.
+//!
+//! Late in a run the roundoff of the time moves an input by more than a tight tolerance, `sin(ω t)` by `ω t` units: no step is so short that it would
+//! not, and that is no reason for one.
 
 use super::length::{Length, SHORTEST};
 use super::pace::{Pace, Wanted};
@@ -37,6 +40,15 @@ impl<C> Polynomial<C> {
     pub(crate) fn order(&self, order: usize) -> Option<&C> {
         self.coefficients.get(..self.count)?.get(order)
     }
+}
+
+/// Where coefficients of an order are put of controls, and of the rates at which they change, if these have a place: the place, the order of the
+/// input's coefficients, and by what these are multiplied.
+#[inline(always)]
+pub(crate) fn driven(order: usize, places: [Option<usize>; 2]) -> impl Iterator<Item = (usize, usize, f64)> {
+    let next = order + 1;
+    let factors = [(order, 1.0), (next, next as f64)];
+    places.into_iter().zip(factors).filter_map(|(place, (order, factor))| Some((place?, order, factor)))
 }
 
 impl<C: AsRef<[f64]> + AsMut<[f64]> + Clone> Polynomial<C> {
@@ -88,8 +100,13 @@ impl<C: AsRef<[f64]> + AsMut<[f64]> + Clone> Polynomial<C> {
                 let at = powers.iter().take(count).rev().fold(0.0, |sum, x| sum * place + x);
                 rest = rest.max((of(value) - at).abs());
             }
-            // some units of roundoff are in all of them
-            let rest = (rest - 8.0 * f64::EPSILON * size).max(0.0);
+            // some units of roundoff are in all of them, and in the times that they are of
+            let of_values = values.iter().take(count).map(of);
+            let (least, most) = of_values.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), x| {
+                (if x < least { x } else { least }, if x > most { x } else { most })
+            });
+            let by_time = (start.abs() + length.abs()) * ((most - least) / length).abs();
+            let rest = (rest - 8.0 * f64::EPSILON * (size + by_time)).max(0.0);
             if rest > 0.0 {
                 worst = worst.max(rest / size);
             }

@@ -3,7 +3,7 @@
 use core::fmt;
 
 use super::System;
-use super::input::Polynomial;
+use super::input::{Polynomial, driven};
 use super::length::{Checked, Length, Look, Rule, Terms, defect, noise, perturb, size};
 use crate::kernel::Blocks;
 use crate::scalar::simd::lanes::Processor;
@@ -32,7 +32,7 @@ pub trait PowerSeries: System {
     type Lanes<T: Scalar>: Components<T>;
     /// A number for each different operand of the lanes.
     type Operands<T: Scalar>: Components<T>;
-    /// The velocity at the start, where it has a series; else nothing.
+    /// The velocity at the start, where it has a series, and the rates of the controls, where these have; else nothing.
     type Velocity<T: Scalar>: Components<T>;
     /// A number for each event of the description that has a series.
     type Events<T: Scalar>: Components<T>;
@@ -41,10 +41,12 @@ pub trait PowerSeries: System {
     const BLOCKS: Blocks;
     /// Where the controls stand among what has a series; none where they have no part in the motion.
     const CONTROLS: Option<usize> = None;
+    /// Where the rates stand at which the controls change, if the velocity depends on them; these are the last numbers of its start.
+    const RATES: Option<usize> = None;
     /// The places of the events that have a series among those of the description.
     const EVENTS_WITH_SERIES: &'static [usize] = &[];
 
-    /// The velocity at the start of a step, if it has a series.
+    /// The velocity at the start of a step, if it has a series, with controls that are held.
     fn start_velocity(
         &self,
         state: &Self::State,
@@ -365,11 +367,13 @@ impl<S: PowerSeries, T: Batch, R: Room> Series<S, T, R> {
     /// Puts the coefficients of one order of an input in the place of those of controls that are held.
     #[inline(always)]
     fn drive(&mut self, input: Option<&Input<S>>, order: usize) {
-        let (Some(input), Some(from)) = (input, S::CONTROLS) else { return };
-        let Some(numbers) = input.order(order) else { return };
+        let Some(input) = input else { return };
         let coefficients = self.coefficients.as_mut()[order].as_mut();
-        for (to, number) in coefficients.iter_mut().skip(from).zip(numbers.as_ref()) {
-            *to = T::of(*number);
+        for (place, order, factor) in driven(order, [S::CONTROLS, S::RATES]) {
+            let numbers = input.order(order).map_or(&[][..], |numbers| numbers.as_ref());
+            for (to, number) in coefficients.iter_mut().skip(place).zip(numbers) {
+                *to = T::of(factor * *number);
+            }
         }
     }
 
@@ -499,7 +503,8 @@ impl<S: PowerSeries, T: Batch, R: Room> Terms for Series<S, T, R> {
 
     #[inline(always)]
     fn held(&self) -> usize {
-        S::CONTROLS.filter(|_| self.is_held).unwrap_or(S::Coefficients::<T>::LENGTH)
+        let from = if self.is_held { S::CONTROLS } else { S::RATES };
+        from.unwrap_or(S::Coefficients::<T>::LENGTH)
     }
 
     #[inline(always)]
@@ -552,6 +557,18 @@ pub(crate) struct Start<'s, S: System + PowerSeries, T: Scalar> {
     pub(crate) velocity: &'s S::Velocity<T>,
     /// What drives the controls, if they are not held.
     pub(crate) input: Option<&'s Input<S>>,
+}
+
+/// Writes the rates at which an input changes at the start, to the last numbers of a velocity there.
+#[inline(always)]
+pub(crate) fn write_rates<S: PowerSeries, T: Scalar>(
+    velocity: &mut S::Velocity<T>,
+    input: Option<&Input<S>>,
+) {
+    let (Some(rates), Some(_)) = (input.and_then(|input| input.order(1)), S::RATES) else { return };
+    for (to, rate) in velocity.as_mut().iter_mut().rev().zip(rates.as_ref().iter().rev()) {
+        *to = T::of(*rate);
+    }
 }
 
 /// An input as a power series.

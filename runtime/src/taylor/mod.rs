@@ -351,7 +351,8 @@ impl<S: PowerSeries> Adaptive<S> {
         self.check(state, control)?;
         let time = S::Scalar::of(self.time());
         let (components, control_components) = (state.to_components(), control.to_components());
-        let velocity = self.system.start_velocity(state, time, control);
+        let mut velocity = self.system.start_velocity(state, time, control);
+        series::write_rates::<S, _>(&mut velocity, input);
         let before = self.pace.begin();
         let (checked, next) = <S::Scalar as Batch>::dispatch_wide(Advance {
             series: &mut self.series,

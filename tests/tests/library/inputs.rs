@@ -136,3 +136,113 @@ fn jumps_and_kinks_are_closed_in_on() {
         assert!(report.steps < 300 && asked < 10_000, "{} {asked}", report.steps);
     }
 }
+
+/// A bob whose pivot is moved, and whose mass swells: its momentum depends on both controls, and not linearly on its velocity.
+#[lie_poisson_system(
+    group = SO2,
+    control(shift: f64, swell: f64),
+    lagrangian = {
+        let (v, m) = (velocity.x, mass * (1.0 + swell * swell));
+        0.5 * m * v.powi(2) + 0.05 * v.powi(4) + m * shift * v * angle.cos_angle() + m * angle.cos_angle()
+    },
+    force = -damping * velocity,
+    event(down = angle.angle(), turns = velocity.x),
+    taylor,
+    retractions(Exponential)
+)]
+struct Moved {
+    mass: f64,
+    damping: f64,
+}
+
+/// The same, with what moves it in its description.
+#[lie_poisson_system(
+    group = SO2,
+    lagrangian = {
+        let (shift, swell) = (2.0 * (3.0 * t).sin(), 0.5 * (2.0 * t).cos());
+        let (v, m) = (velocity.x, mass * (1.0 + swell * swell));
+        0.5 * m * v.powi(2) + 0.05 * v.powi(4) + m * shift * v * angle.cos_angle() + m * angle.cos_angle()
+    },
+    force = -damping * velocity,
+    event(down = angle.angle(), turns = velocity.x),
+    taylor,
+    retractions(Exponential)
+)]
+struct MovedByTime {
+    mass: f64,
+    damping: f64,
+}
+
+#[test]
+fn a_momentum_that_depends_on_the_input_moves_with_it() {
+    let (driven, described) = (Moved { mass: 1.3, damping: 0.1 }, MovedByTime { mass: 1.3, damping: 0.1 });
+    let start = MovedState { angle: UnitComplex::new(0.8), momentum: vector![0.5] };
+    let input = |time: f64| MovedControl { shift: 2.0 * (3.0 * time).sin(), swell: 0.5 * (2.0 * time).cos() };
+    let (mut events, mut trajectory) = (Vec::new(), described.adaptive(1e-15).unwrap());
+    let mut exact = MovedByTimeState { angle: start.angle, momentum: start.momentum };
+    Run::new(&mut trajectory, &mut exact).on("turns", |event| events.push(event.time())).to(5.0).unwrap();
+    let exact = MovedState { angle: exact.angle, momentum: exact.momentum };
+    assert!(events.len() > 2, "{events:?}");
+    for tolerance in [1e-6, 1e-9, 1e-12] {
+        let (mut state, mut trajectory) = (start, driven.adaptive(tolerance).unwrap());
+        let mut found = Vec::new();
+        let run = Run::new(&mut trajectory, &mut state);
+        run.driven_by(input).on("turns", |event| found.push(event.time())).to(5.0).unwrap();
+        assert!(
+            distance(&state, &exact) < 100.0 * tolerance,
+            "{tolerance:e}: {:e}",
+            distance(&state, &exact)
+        );
+        assert_eq!(found.len(), events.len());
+        let off = found.iter().zip(&events).fold(0.0, |off: f64, (a, b)| off.max((a - b).abs()));
+        assert!(off < 100.0 * tolerance, "{tolerance:e}: {off:e}");
+    }
+    // steps of one length know nothing of series
+    let (mut state, mut stepper) = (start, driven.stepper::<Order6<Exponential>>(0.005).unwrap());
+    Run::new(&mut stepper, &mut state).driven_by(input).to(5.0).unwrap();
+    assert!(distance(&state, &exact) < 1e-10, "{:e}", distance(&state, &exact));
+}
+
+/// A mass on a spring that is pushed.
+#[lie_poisson_system(
+    group = R1,
+    control(push: f64),
+    potential = 0.5 * stiffness * position.x.powi(2),
+    force = push,
+    taylor,
+    retractions(Exponential)
+)]
+struct Sprung {
+    #[inertia]
+    mass: f64,
+    stiffness: f64,
+}
+
+/// Late in a run the roundoff of the time is more than the tolerance allows an input: no step is short enough for that.
+#[test]
+fn what_the_time_leaves_of_an_input_shortens_no_step() {
+    let (system, rate) = (Sprung { mass: 1.0, stiffness: 4.0 }, 2.0 * std::f64::consts::PI);
+    let amplitude = 1.0 / (4.0 - rate * rate);
+    for (start, tolerance, enough) in
+        [(0.0, 1e-12, 1e-10), (3e3, 1e-12, 1e-9), (1e5, 1e-14, 1e-8), (1e9, 1e-8, 1e-4)]
+    {
+        let mut state = SprungState { position: vector![1.0], momentum: vector![0.0] };
+        let (mut trajectory, mut asked) = (system.adaptive(tolerance).unwrap(), 0);
+        trajectory.set_time(start);
+        let input = |time: f64| {
+            asked += 1;
+            SprungControl { push: (rate * time).sin() }
+        };
+        let report = Run::new(&mut trajectory, &mut state).driven_by(input).to(start + 10.0).unwrap();
+        let forced = |time: f64| amplitude * (rate * time).sin();
+        let (c, s) = (1.0 - forced(start), -0.5 * amplitude * rate * (rate * start).cos());
+        let exact = forced(start + 10.0) + c * 20.0_f64.cos() + s * 20.0_f64.sin();
+        let off = (state.position.x - exact).abs();
+        assert!(off < enough, "{start:e}: {off:e}");
+        assert!(
+            report.steps < 500 && asked < 20_000,
+            "{start:e}: {} steps, asked {asked} times",
+            report.steps
+        );
+    }
+}

@@ -13,19 +13,18 @@ use crate::program::{Function, Input, Interface, RecordKind, TaylorProgram, Tayl
 /// `impl PowerSeries for HeavyTop { … }`
 pub(super) fn taylor(names: &Names, interface: &Interface, series: &TaylorProgram) -> TokenStream {
     let Names { private, system, scalar, .. } = names;
-    let TaylorProgram { blocks, controls, events, module } = series;
+    let TaylorProgram { blocks, controls, rates, events, module } = series;
     let function = |role| module.function(role);
-    let has_velocity =
-        function(TaylorRole::Leading).is_some_and(|function| function.length(Input::Velocity) > 0);
-    let velocity = size(if has_velocity { interface.dimension } else { 0 });
+    let given = function(TaylorRole::Leading).map_or(0, |function| function.length(Input::Velocity));
+    let velocity = size(given);
     let lanes = function(TaylorRole::Next).map_or(0, |function| function.length(Input::Sums));
     let (unknowns, lanes) = (size(blocks.iter().sum()), size(lanes.next_multiple_of(TOGETHER)));
     let blocks = blocks.iter().map(|&length| size(length));
-    let controls = controls.map(|place| {
-        let place = size(place);
-        quote! {
-            const CONTROLS: ::core::option::Option<::core::primitive::usize> = ::core::option::Option::Some(#place);
-        }
+    let places = [("CONTROLS", controls), ("RATES", rates)].map(|(name, place)| {
+        let (name, place) = (Ident::new(name, Span::call_site()), size((*place)?));
+        Some(quote! {
+            const #name: ::core::option::Option<::core::primitive::usize> = ::core::option::Option::Some(#place);
+        })
     });
     let event_count = size(events.len());
     let events = (!events.is_empty()).then(|| {
@@ -39,11 +38,20 @@ pub(super) fn taylor(names: &Names, interface: &Interface, series: &TaylorProgra
         let signature = signature(one.role, interface, &velocity);
         method(&module.values, one, &signature, &result(&module.values, one))
     });
-    let start = match has_velocity {
-        true => quote! {
-            #private::Stored::<_, #velocity>::to_array(&#private::System::velocity_at(self, state, time, control))
+    let dimension = size(interface.dimension);
+    let found = quote! {
+        #private::Stored::<_, #dimension>::to_array(&#private::System::velocity_at(self, state, time, control))
+    };
+    let start = match given {
+        0 => quote! { [] },
+        given if given == interface.dimension => found,
+        _ => quote! {
+            let mut velocity = [<#scalar as Scalar>::of(0.0); #velocity];
+            for (to, number) in velocity.iter_mut().zip(#found) {
+                *to = number;
+            }
+            velocity
         },
-        false => quote! { [] },
     };
     block(&quote! {
         type __System = #system;
@@ -61,7 +69,7 @@ pub(super) fn taylor(names: &Names, interface: &Interface, series: &TaylorProgra
                 type Events<T: Scalar> = [T; #event_count];
 
                 const BLOCKS: Blocks = &[#(#blocks),*];
-                #controls
+                #(#places)*
                 #events
 
                 fn start_velocity(

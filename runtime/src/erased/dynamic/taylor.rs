@@ -11,7 +11,7 @@ use crate::error::{ParameterError, StepError};
 use crate::scalar::Scalar;
 use crate::stepper::{EventSeries, Inputs, StepReport, check_deviation};
 use crate::system::adaptive::{LEAST_ORDER, order};
-use crate::system::input::{Polynomial, fitted};
+use crate::system::input::{Polynomial, driven, fitted};
 use crate::system::length::{Checked, Length, Look, Rule, Terms, defect, noise, perturb, size};
 use crate::system::pace::{Pace, Wanted};
 use crate::system::series::{Coefficients, MOST_COEFFICIENTS};
@@ -25,6 +25,8 @@ pub trait SeriesFunctions: Send + Sync + 'static {
     fn lanes(&self) -> usize;
     /// Where the controls stand among what has a series; none where they have no part in the motion.
     fn controls(&self) -> Option<usize>;
+    /// Where the rates stand at which they change, if the velocity depends on them; these are the last numbers of its start.
+    fn rates(&self) -> Option<usize>;
     /// The places of the events that have a series among those of the description.
     fn events(&self) -> &[usize];
     /// Whether the start asks for the velocity.
@@ -85,7 +87,8 @@ impl Terms for Series {
     }
 
     fn held(&self) -> usize {
-        self.functions.controls().filter(|_| self.is_held).unwrap_or(usize::MAX)
+        let from = if self.is_held { self.functions.controls() } else { self.functions.rates() };
+        from.unwrap_or(usize::MAX)
     }
 
     fn largest(&self, order: usize, from: usize, length: usize) -> [f64; 1] {
@@ -124,11 +127,17 @@ impl Series {
     fn expand(&mut self, given: &Given<'_>, input: Option<&Polynomial<Vec<f64>>>) {
         (self.is_held, self.perturbed) = (input.is_none(), None);
         let Self { functions, frame, operands: [left, right], coefficients, events, order, .. } = self;
-        let from = functions.controls();
+        let places = [functions.controls(), functions.rates()];
         let drive = |coefficients: &mut [f64], order: usize| {
-            let (Some(input), Some(from)) = (input, from) else { return };
-            let Some(numbers) = input.order(order) else { return };
-            coefficients.iter_mut().skip(from).zip(numbers).for_each(|(to, number)| *to = *number);
+            let Some(input) = input else { return };
+            for (place, order, factor) in driven(order, places) {
+                let numbers = input.order(order).map_or(&[][..], Vec::as_slice);
+                coefficients
+                    .iter_mut()
+                    .skip(place)
+                    .zip(numbers)
+                    .for_each(|(to, number)| *to = factor * *number);
+            }
         };
         if let ([start, change, ..], [events, ..]) = (&mut coefficients[..], &mut events[..]) {
             functions.leading(frame, given, [start, change, events]);
@@ -283,7 +292,12 @@ impl DynamicTaylor {
         let mut given = Given { parameters, state, time, control, ..Given::default() };
         let velocity;
         if self.series.functions.asks_for_velocity() {
-            velocity = self.system.velocity(&given);
+            let mut start = self.system.velocity(&given);
+            if self.series.functions.rates().is_some() {
+                let rates = input.and_then(|input| input.order(1)).cloned();
+                start.extend(rates.unwrap_or_else(|| std::vec![0.0; control.len()]));
+            }
+            velocity = start;
             given.velocity = &velocity;
         }
         let before = self.pace.begin();
