@@ -11,6 +11,8 @@ use crate::in_one_frame::InOneFrame;
 /// The functions of a derivative.
 pub(crate) struct Derivative {
     functions: InOneFrame<DerivativeRole>,
+    /// How many numbers a perturbation of the state has.
+    rows: usize,
     /// The derivatives with respect to state, controls and parameters.
     matrices: [Matrix; 3],
 }
@@ -18,7 +20,7 @@ pub(crate) struct Derivative {
 /// A matrix whose columns are `explicit + through · unknown`, each of two arrays.
 struct Matrix {
     role: DerivativeRole,
-    /// How many columns it has, whether or not they are asked for.
+    /// How many columns it has: none that are not asked for.
     width: usize,
     /// Whether the second array of a column is zero by its form: that adds nothing, not even where the other factor is infinite.
     is_explicit: Vec<bool>,
@@ -29,7 +31,9 @@ impl Derivative {
     pub(crate) fn boxed(module: &Module<DerivativeRole>, interface: &Interface) -> Box<dyn StepDerivative> {
         let is_zero = |term: &Term| matches!(term, Term::Number(number) if number.is_zero());
         let matrix = |(role, width)| {
-            let results = module.function(role).map_or(&[][..], |function| &function.results);
+            let function = module.function(role);
+            let results = function.map_or(&[][..], |function| &function.results);
+            let width = if function.is_some() { width } else { 0 };
             let is_explicit = results.chunks_exact(2).map(|pair| pair[1].iter().all(is_zero)).collect();
             Matrix { role, width, is_explicit }
         };
@@ -40,6 +44,7 @@ impl Derivative {
         ];
         Box::new(Self {
             functions: InOneFrame::new(module, RecordKind::Point),
+            rows: interface.state_perturbation(),
             matrices: matrices.map(matrix),
         })
     }
@@ -60,10 +65,9 @@ impl StepDerivative for Derivative {
         given.into_iter().for_each(|(input, numbers)| functions.give(frame, input, numbers));
         functions.call(frame, DerivativeRole::Point);
         let through = functions.call(frame, DerivativeRole::Through);
-        let rows = self.matrices[0].width;
         let [state, control, parameters] = self.matrices.each_ref().map(|matrix| {
             let columns = functions.call(frame, matrix.role).chunks_exact(2);
-            let mut dense = DMatrix::zeros(rows, matrix.width);
+            let mut dense = DMatrix::zeros(self.rows, matrix.width);
             for ((pair, is_explicit), mut to) in columns.zip(&matrix.is_explicit).zip(dense.column_iter_mut())
             {
                 to.copy_from_slice(&frame[pair[0].clone()]);

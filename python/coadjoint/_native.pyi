@@ -1,6 +1,6 @@
 """The native half: flat arrays of `float64` in, flat arrays out."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, final
 
 import numpy as np
@@ -108,7 +108,7 @@ class System:
 class Stepper:
     """Takes steps of one size, one call for each."""
 
-    def step(self, state: Any, control: _Array | None = None) -> None:
+    def step(self, state: Any, control: _Array | Sequence[float] | None = None) -> None:
         """Takes one step: the state's array is the next one afterwards."""
     def steps(self, state: Any, count: int, control: _Array | None = None) -> None:
         """Takes some steps, with a control that is held."""

@@ -305,7 +305,8 @@ class Solution:
         """The gradient of a function of the states, from its derivatives by them: backwards through all steps.
 
         covectors: the derivatives of the function by the numbers of `y.flat`, an array of that shape; or by those of the last state alone. The
-        description needs `derivatives`, and every step must be recorded.
+        description needs `derivatives`, or `derivatives="state"` with `controls` and `parameters` where these are wanted, and every step must be
+        recorded.
         """
         if self._known is None or self.tolerance is not None or self._driven is not None:
             raise ValueError("gradients are of runs with steps of one size that are all recorded, without a function of time")
@@ -329,12 +330,13 @@ class Solution:
         # the covector on the stored numbers that is least of those with this one on tangent vectors
         stored = maps @ np.linalg.solve(maps.T @ maps, first)
         layout = self.system.system
-        inputs = layout._controls.length
+        inputs, parameters = layout._controls, layout._parameters
+        # arrays of nothing where the description does not ask for them
         return Gradient(
             State(layout._state, stored),
             first,
-            State(layout._parameters, by_parameters),
-            State(layout._controls, by_controls.reshape(len(rows), inputs)) if inputs else None,
+            State(parameters, by_parameters) if by_parameters.size == parameters.length else None,
+            State(inputs, by_controls.reshape(len(rows), inputs.length)) if inputs.length and by_controls.size else None,
         )
 
     def to_pandas(self) -> pandas.DataFrame:
@@ -407,12 +409,12 @@ class Gradient:
     y0: State
     #: By the first state, in the coordinates of tangent vectors.
     tangent: Array
-    #: By the parameters.
-    parameters: State
-    #: By the controls, each at the end of the step over which it is held.
+    #: By the parameters; none unless `derivatives` asks for them.
+    parameters: State | None
+    #: By the controls, each at the end of the step over which it is held; likewise.
     controls: State | None
 
-    def __init__(self, y0: State, tangent: Array, parameters: State, controls: State | None) -> None:
+    def __init__(self, y0: State, tangent: Array, parameters: State | None, controls: State | None) -> None:
         self.y0, self.tangent, self.parameters, self.controls = y0, tangent, parameters, controls
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
@@ -289,6 +289,9 @@ class Report:
     def __repr__(self) -> str:
         return self.text
 
+    def __iter__(self) -> Iterator[Certificate]:
+        return iter(self.certificates)
+
     def __getitem__(self, name: str) -> Certificate:
         for one in self.certificates:
             if one.name == name:
@@ -507,8 +510,8 @@ class BoundSystem:
             to 4, 6, 8 or 10. Words are on the exponential, or on the Cayley map where that alone was derived; `hamilton-jacobi` has the order that was derived.
         tolerance: in place of `step`, Taylor steps, each as long as this error allows: the description needs `taylor`.
         max_step: with a `tolerance`, no step is longer. What comes and goes within a step, as a pulse does, may not be seen.
-        controls: an array or a dict that is held; `(times, values)`, each held until the next time, without a line or a curve between them; a function
-            of `t`, such as a `CubicSpline` of scipy; or one of `t, y`, asked before each step.
+        controls: an array or a dict that is held; `(times, values)`, each held until the next time, without a line or a curve between them, and with a
+            `step` from the next step's start on; a function of `t`, such as a `CubicSpline` of scipy; or one of `t, y`, asked before each step.
         events: functions of `t, y` whose zeros are found within the steps. As in scipy, an attribute `terminal`, a bool or a count, ends the run,
             and `direction` says which zeros count. `apply`, a function of `t, y`, changes the state there; `points` says at how many points to look in each step.
             Or names of the description's own, `event="apogee = …"`: of these none is missed with a `tolerance`.

@@ -43,16 +43,22 @@ impl Stepper {
         array.try_readwrite().map_err(|error| PyBufferError::new_err(error.to_string()))
     }
 
-    fn control<'a>(&self, control: &'a Option<Numbers<'_>>) -> PyResult<&'a [f64]> {
-        match control {
-            Some(control) => {
-                let control = slice(control)?;
-                check(control, self.controls, "the controls")?;
-                Ok(control)
-            }
-            None => Ok(&[]),
-        }
+    fn control<'a>(&self, control: &'a Option<Control<'_>>) -> PyResult<&'a [f64]> {
+        let control = match control {
+            Some(Control::Array(control)) => slice(control)?,
+            Some(Control::Sequence(control)) => control,
+            None => return Ok(&[]),
+        };
+        check(control, self.controls, "the controls")?;
+        Ok(control)
     }
+}
+
+/// Controls of a step: an array is not copied.
+#[derive(FromPyObject)]
+enum Control<'py> {
+    Array(Numbers<'py>),
+    Sequence(Vec<f64>),
 }
 
 #[pymethods]
@@ -70,7 +76,7 @@ impl System {
 impl Stepper {
     /// Takes one step: the state's array is the next one afterwards.
     #[pyo3(signature = (state, control=None))]
-    fn step(&self, py: Python<'_>, state: &Bound<'_, PyAny>, control: Option<Numbers<'_>>) -> PyResult<()> {
+    fn step(&self, py: Python<'_>, state: &Bound<'_, PyAny>, control: Option<Control<'_>>) -> PyResult<()> {
         let mut state = self.state(state)?;
         let control = self.control(&control)?;
         let state = state.as_slice_mut().map_err(|error| PyBufferError::new_err(error.to_string()))?;
@@ -87,7 +93,7 @@ impl Stepper {
         py: Python<'_>,
         state: &Bound<'_, PyAny>,
         count: u64,
-        control: Option<Numbers<'_>>,
+        control: Option<Control<'_>>,
     ) -> PyResult<()> {
         let mut state = self.state(state)?;
         let control = self.control(&control)?;

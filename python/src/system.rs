@@ -371,8 +371,9 @@ impl System {
         check(controls, count * inputs, "controls")?;
         check(covectors, count * dimension, "covectors")?;
         let scheme = self::scheme(scheme)?;
-        let parameters = length(self.of().description().parameters);
-        let (mut by_parameters, mut by_controls) = (vec![0.0; parameters], vec![0.0; count * inputs]);
+        // none where the description does not ask for them
+        let (mut by_parameters, mut by_controls) = (Vec::new(), vec![0.0; count * inputs]);
+        let mut has_controls = true;
         let mut covector = covectors[(count - 1) * dimension..].to_vec();
         let watch = crate::watch::Watch::new(None);
         let mut until = watch.look(0.0);
@@ -390,6 +391,8 @@ impl System {
             let derived = own.step_with_jacobian(&mut state, control);
             let (jacobian, _) = derived.map_err(|error| error::jacobian(py, &error, time, &state))?;
             stepper = Some(own);
+            has_controls = jacobian.control.ncols() == inputs;
+            by_parameters.resize(jacobian.parameters.ncols(), 0.0);
             for (column, sum) in jacobian.parameters.column_iter().zip(&mut by_parameters) {
                 *sum += column.iter().zip(&covector).map(|(a, b)| a * b).sum::<f64>();
             }
@@ -414,7 +417,10 @@ impl System {
         }
         match watch.into_error() {
             Some(error) => Err(error),
-            None => Ok((array(py, covector), array(py, by_parameters), array(py, by_controls))),
+            None => {
+                let by_controls = if has_controls { by_controls } else { Vec::new() };
+                Ok((array(py, covector), array(py, by_parameters), array(py, by_controls)))
+            }
         }
     }
 

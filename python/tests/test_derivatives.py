@@ -196,3 +196,33 @@ def test_torch():
 
     found = runpy.run_path(str(Path(__file__).parent / "../examples/with_torch.py"))
     assert found["distance"] < 1e-6
+
+
+def test_what_is_not_asked_for_is_not_there():
+    def body(derivatives):
+        system = co.System(group="SO3", inertia="J: Vector3", control="u: R3", force="u", derivatives=derivatives)
+        return system(J=[1, 2, 3.0])
+
+    some, y = body("state"), {"momentum": [1, 2, 3.0]}
+    found = some.jacobian(some.state(y), 0.1)
+    assert (found.state.shape, found.control.shape, found.parameters.shape) == ((6, 6), (6, 0), (6, 0))
+    gradient = some.run(y, 1, step=0.1).gradient(np.ones(7))
+    assert gradient.parameters is None and gradient.controls is None
+    whole = body(True).run(y, 1, step=0.1).gradient(np.ones(7))
+    assert (gradient.tangent == whole.tangent).all() and whole.parameters.flat.any() and whole.controls.flat.any()
+    for derivatives in ("adjoint", "tangent"):
+        with pytest.raises(ValueError, match=r"derivatives\(state\)"):
+            body(derivatives).run(y, 1, step=0.1).gradient(np.ones(7))
+
+
+def test_steps_take_controls_as_lists():
+    body = co.System(group="SO3", inertia="J: Vector3", control="u: R3", force="u")(J=[1, 2, 3.0])
+    ways = []
+    for control in (np.array([0.1, 0.0, 2.0]), [0.1, 0, 2]):
+        y, stepper = body.state(momentum=[1, 2, 3.0]), body.stepper(0.1)
+        stepper.step(y, control)
+        stepper.steps(y, 3, control)
+        ways.append(y.flat)
+    assert (ways[0] == ways[1]).all()
+    with pytest.raises(ValueError, match="2 numbers in place of 3"):
+        body.stepper(0.1).step(body.state(), [0.1, 0.2])

@@ -340,6 +340,7 @@ def test_certificates(top):
     assert "Poisson map" in repr(report)
     # of several states, each as it likes
     still = top.state(gamma=[0, 0, 1])
+    assert [one.name for one in report] == [one.name for one in report.certificates]
     for states in ([still, y], (still, y.flat), [{"gamma": [0, 0, 1]}, y], np.stack([still.flat, y.flat])):
         several = top.certify(states, "cayley")
         assert several.passed and several["|gamma|²"].figure >= report["|gamma|²"].figure

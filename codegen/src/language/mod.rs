@@ -132,7 +132,14 @@ fn expected_force(group: Option<&dyn Group>) -> String {
     match group.map(|group| (group.dimension(), group.names().parts)) {
         Some((1, _)) => "a scalar or a vector of 1".to_owned(),
         Some((n, [])) => format!("a vector of {n}"),
-        Some((n, parts)) => format!("a vector of {n}, or its parts `({})`", parts.join(", ")),
+        Some((n, parts)) => {
+            let forms = group.into_iter().flat_map(Group::blocks).map(|length| match length {
+                1 => "a scalar".to_owned(),
+                length => format!("a vector of {length}"),
+            });
+            let forms = forms.collect::<Vec<_>>().join(" and ");
+            format!("a vector of {n}, or its parts `({})`, {forms}", parts.join(", "))
+        }
         None => "a vector".to_owned(),
     }
 }

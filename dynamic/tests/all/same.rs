@@ -64,6 +64,20 @@ described! { PENDULUM:
     const GRAVITY: f64 = 9.81;
 }
 
+described! { MOVED:
+    #[lie_poisson_system(
+        group = SO2,
+        control(shift: f64, swell: f64),
+        lagrangian = 0.5 * mass * (1.0 + swell * swell) * velocity.x.powi(2)
+            + shift * velocity.x * angle.cos_angle() + mass * angle.cos_angle(),
+        event(hangs = angle.angle()),
+        taylor,
+    )]
+    struct Moved {
+        mass: f64,
+    }
+}
+
 /// What both say of a scheme after some steps: states, and reports; or why there are none.
 fn same(
     typed: Arc<dyn EnsembleSystem>,
@@ -193,6 +207,20 @@ fn taylor_steps_that_are_driven() {
         (state, passes, rises)
     });
     assert_eq!(ways[0], ways[1]);
+
+    // where the momentum depends on what drives it
+    let systems: [Arc<dyn System>; 2] =
+        [Arc::new(Moved { mass: 0.7 }), Arc::new(Model::from_text(MOVED).unwrap().system(&[0.7]))];
+    let ways = systems.map(|system| {
+        let mut trajectory = erased::Adaptive::new(system, 1e-10).unwrap();
+        let (mut state, mut passes) = (vec![0.96, 0.28, -0.4], Vec::new());
+        let run = Run::new(&mut trajectory, &mut state).on("hangs", |event| passes.push(event.time()));
+        run.driven_by(|t| vec![(3.0 * t).sin(), 0.2 * t]).to(6.0).unwrap();
+        assert!(passes.len() > 1, "{passes:?}");
+        (state, passes)
+    });
+    assert_eq!(ways[0], ways[1]);
+    same_series(Arc::new(Moved { mass: 0.7 }), MOVED, (&[0.96, 0.28, -0.4], &[0.5, 0.3]));
 }
 
 #[test]
@@ -248,5 +276,35 @@ fn members_of_an_ensemble_move_as_one_alone_does() {
             let off = moved.iter().zip(&alone).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(off < 1e-12, "{scheme}, {member}: {off:e}");
         }
+    }
+}
+
+#[test]
+fn derivatives_that_are_not_asked_for_are_not_there() {
+    let state = [1.0, 0.0, 0.0, 0.0, 1.0, -0.5, 0.2];
+    let typed = Body { inertia: Matrix3::from_diagonal(&vector![1.0, 2.0, 2.5]) };
+    let model = Model::from_text(BODY).unwrap();
+    let dynamic: Arc<dyn System> = Arc::new(model.system(&(&typed as &dyn System).parameters()));
+    for system in [Arc::new(typed), dynamic] {
+        let mut stepper =
+            erased::Stepper::new(system, &"Order4<Exponential>".parse().unwrap(), 0.05).unwrap();
+        let (jacobian, _) = stepper.step_with_jacobian(&mut state.to_vec(), &[]).unwrap();
+        assert_eq!([jacobian.state.shape(), jacobian.parameters.shape()], [(6, 6), (6, 0)]);
+        let gradient = stepper.gradient(0.0, &[state], |_| vec![], &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0]).unwrap();
+        assert_eq!([gradient.state.len(), gradient.parameters.len()], [6, 0]);
+    }
+    // an adjoint is no matrix
+    let adjoint = "#[lie_poisson_system(group = SO3, derivatives(adjoint))] struct Body { #[inertia] inertia: Vector3<f64> }";
+    let system = Arc::new(Model::from_text(adjoint).unwrap().system(&[1.0, 2.0, 2.5]));
+    let mut stepper = erased::Stepper::new(system, &"Exponential".parse().unwrap(), 0.05).unwrap();
+    let errors = [
+        stepper.step_with_jacobian(&mut state.to_vec(), &[]).unwrap_err(),
+        stepper.gradient(0.0, &[state], |_| vec![], &[0.0; 6]).unwrap_err(),
+    ];
+    for error in errors {
+        assert!(
+            error.to_string().contains("`derivatives(state)` in its description asks for them"),
+            "{error}"
+        );
     }
 }

@@ -8,6 +8,7 @@ use super::frame::{Degenerate, Frame, derivative, jacobian, larger, relative, sl
 use super::probe::KernelPart;
 use super::report::{Bound, Certificate, Report};
 use super::series::REACH;
+use super::warm::noise;
 use crate::erased::{At, Description, Geometry, Method, NotGenerated, check};
 use crate::error::{ParameterError, StepError};
 use crate::method::Clock;
@@ -29,6 +30,8 @@ const CLEAR: f64 = 40.0;
 
 /// Steps there and back.
 const RETURN: usize = 20;
+/// How far another way back begins, relative to the state: so little that what grows stays small, and farther than rounding.
+const BESIDE: f64 = 64.0 * f64::EPSILON;
 /// How far a step may be from the converged one, in units of what rounding may leave of all its operations.
 const WARM: Bound = Bound::AtMost(8.0);
 
@@ -505,15 +508,27 @@ impl Sample<'_> {
         Ok(slopes.rev().take(2).reduce(f64::max))
     }
 
-    /// Steps, and as many back that start when the last one ends: one, and some with one stepper there and one back.
+    /// Steps, and as many back that start when the last one ends: one, and some with one stepper there and one back. What was damped on the way
+    /// there grows on the way back, rounding too: the distance is that by which the way back has to begin elsewhere.
     fn reversibility(&self) -> Figure {
         worst([1, RETURN].into_iter().map(|count| {
             let mut there = Vec::new();
             self.run(self.step, count, &mut |state| there = state.to_vec())?;
-            let mut back = Vec::new();
             let end = self.time + count as f64 * self.step;
-            self.steps((-self.step, count), end, &there, &mut |state| back = state.to_vec())?;
-            Ok(Some(self.frame.distance(self.state, &back)))
+            let back_from = |there: &[f64]| {
+                let mut back = Vec::new();
+                let kept = self.steps((-self.step, count), end, there, &mut |state| back = state.to_vec());
+                kept.map(|()| back)
+            };
+            let (frame, back) = (&self.frame, back_from(&there)?);
+            let distance = frame.distance(self.state, &back);
+            let by: Vec<f64> = (0..frame.dimension()).map(|i| BESIDE * frame.scale[i] * noise(i)).collect();
+            let beside = frame.displace(&there, RetractionKind::Exponential, &by);
+            let growth = match back_from(&beside) {
+                Ok(other) => frame.distance(&other, &back) / frame.distance(&beside, &there),
+                Err(_) => 1.0,
+            };
+            Ok(Some(if growth > 1.0 { distance / growth } else { distance }))
         }))
     }
 

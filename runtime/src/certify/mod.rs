@@ -37,7 +37,7 @@
 //! | Casimirs | drift over a thousand steps (a hundred where a force acts) | ≤ 1e-11 |
 //! | energy drift | drift by linear fit, as a part of the error's range, over a thousand steps, or four, sixteen or sixty-four thousand, or as many shorter ones | ≤ ½ |
 //! | energy order | slope of the energy's error, with the shortest steps that show one | claimed order less ½ |
-//! | reversibility | distance from the start after a step and one back, and after twenty and twenty back | ≤ 1e-13, times √n for n steps in one |
+//! | reversibility | distance from the start after a step and one back, and after twenty and twenty back, by what a distance on the way back grows | ≤ 1e-13, times √n for n steps in one |
 //! | Newton correction | difference from the one with a differenced Jacobian | ≤ 1e-6, but for Hamilton–Jacobi steps |
 //! | definition | distance from a step that knows no closed form | ≤ 1e-10 |
 //! | warm steps | distance of steps along 2,500, by one stepper, from those of equations solved in twice the digits | ≤ 8 |

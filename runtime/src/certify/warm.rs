@@ -32,7 +32,7 @@ const JUMPS: [f64; 3] = [1e-9, 1e-3, 1.0];
 const LONGEST: f64 = 10.0;
 
 /// A number between −1 and 1 that has nothing to do with its neighbours.
-fn noise(k: usize) -> f64 {
+pub(super) fn noise(k: usize) -> f64 {
     let x = (k as f64 + 1.0) * 12.9898;
     2.0 * (x.sin() * 43_758.547).rem_euclid(1.0) - 1.0
 }

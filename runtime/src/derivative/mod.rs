@@ -138,6 +138,8 @@ pub trait Linearized<T: Scalar, S: Differentiable>: Kernel<T> {
     type Point: Copy + Send + Sync;
     /// The columns of the derivative of the next state with respect to the unknown.
     type Through;
+    /// Which of the matrices are there: with respect to the state, the controls and the parameters.
+    const MATRICES: [bool; 3] = [false; 3];
 
     /// At the solution `unknown` of the step's equation.
     fn point(

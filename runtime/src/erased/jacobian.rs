@@ -1,7 +1,7 @@
 //! Derivatives of steps of any system and scheme.
 
 use nalgebra::DMatrix;
-use std::string::String;
+use std::string::{String, ToString};
 use std::vec::Vec;
 
 use thiserror::Error;
@@ -16,8 +16,8 @@ use crate::schemes::Scheme;
 use crate::solve;
 use crate::system;
 
-/// The derivatives of the state after a step, in [left-trivialized coordinates](crate::derivative#coordinates); zeros in the place of those that the
-/// description does not ask for.
+/// The derivatives of the state after a step, in [left-trivialized coordinates](crate::derivative#coordinates); no columns where the description does
+/// not ask for them.
 pub type Jacobian = Parts<DMatrix<f64>>;
 
 /// A step that could not be taken with its derivatives.
@@ -27,11 +27,13 @@ pub enum JacobianError {
     /// The step itself could not be taken, or has no derivative.
     #[error(transparent)]
     Step(#[from] StepError),
-    /// No derivatives of a step that the scheme is made of were generated.
+    /// No derivatives of a step that the scheme is made of were generated, or no matrices.
     #[error(
-        "no derivatives of the scheme `{scheme}` were generated for `{system}`; `derivatives` in its description asks for them"
+        "no {key} of the scheme `{scheme}` were generated for `{system}`; `{key}` in its description asks for them"
     )]
     NotGenerated {
+        /// The key of the description that asks for them: `derivatives` or `derivatives(state)`.
+        key: &'static str,
         /// The scheme.
         scheme: String,
         /// The system's name.
@@ -79,17 +81,19 @@ impl<S: system::System<Scalar = f64>> LinearizedVisitor<S> for OfDerivatives<'_>
         let point = K::point(&parameters, step, &state, time, &control, &unknown);
         let through = K::through(&point);
         let rows = S::StatePerturbation::<f64>::LENGTH;
+        let [state, control, parameters] = K::MATRICES;
         let jacobian = Jacobian {
-            state: dense(rows, K::wrt_state(&point, &through).as_ref()),
-            control: dense(rows, K::wrt_control(&point, &through).as_ref()),
-            parameters: dense(rows, K::wrt_parameters(&point, &through).as_ref()),
+            state: dense(rows, state, K::wrt_state(&point, &through).as_ref()),
+            control: dense(rows, control, K::wrt_control(&point, &through).as_ref()),
+            parameters: dense(rows, parameters, K::wrt_parameters(&point, &through).as_ref()),
         };
         Ok(Linearization { next, jacobian })
     }
 }
 
-/// The matrix of these columns.
-fn dense<C: AsRef<[f64]>>(rows: usize, columns: &[C]) -> DMatrix<f64> {
+/// The matrix of these columns, if they are asked for.
+fn dense<C: AsRef<[f64]>>(rows: usize, is_asked_for: bool, columns: &[C]) -> DMatrix<f64> {
+    let columns = if is_asked_for { columns } else { &[] };
     let entries = columns.iter().flat_map(|column| column.as_ref().iter().copied());
     DMatrix::from_iterator(rows, columns.len(), entries)
 }
@@ -101,10 +105,17 @@ pub(super) fn jacobian(system: &dyn System, scheme: &Scheme, at: &At<'_>) -> Res
     let mut whole: Option<Jacobian> = None;
     for (map, rule, step) in scheme.parts(description.invariant, at.step) {
         let part = At { step, state: &state, time, control: at.control };
-        let missing =
-            || JacobianError::NotGenerated { scheme: std::format!("{scheme}"), system: description.name };
+        let missing = |key: &'static str| JacobianError::NotGenerated {
+            key,
+            scheme: scheme.to_string(),
+            system: description.name,
+        };
         let Linearization { next, jacobian } =
-            system.linearization(map, rule, &part).ok_or_else(missing)??;
+            system.linearization(map, rule, &part).ok_or_else(|| missing("derivatives"))??;
+        // who asks for another matrix has that with respect to the state, too
+        if !jacobian.state.is_square() {
+            return Err(missing("derivatives(state)"));
+        }
         whole = Some(match whole {
             None => jacobian,
             Some(before) => Jacobian {

@@ -346,7 +346,8 @@ impl Stepper {
     ///
     /// `states` are those at the start of each step, the first of them at this time; `control` gives the controls of each step, counted
     /// from 0; `costate` is the function's derivative at the end, in [left-trivialized coordinates](crate::derivative#coordinates). What
-    /// comes back are the derivatives with respect to the first state, to the controls of each step, and to the parameters.
+    /// comes back are the derivatives with respect to the first state, to the controls of each step, and to the parameters: no numbers where the
+    /// description does not ask for them. `derivatives(adjoint)` is for typed steppers.
     ///
     /// ```
     /// use coadjoint::erased;
@@ -388,7 +389,7 @@ impl Stepper {
         let description = self.system.description();
         let mut state = DVector::zeros(description.state.last().map_or(0, |last| last.tangent().end));
         flat::copy(state.as_mut_slice(), costate);
-        let mut parameters = DVector::zeros(length(description.parameters));
+        let mut parameters = None;
         let mut controls = Vec::with_capacity(states.len());
         for (k, start) in states.iter().enumerate().rev() {
             let start = start.as_ref();
@@ -396,17 +397,23 @@ impl Stepper {
             let (time, control) = (time + k as f64 * self.step, control(k));
             let at = At { step: self.step, state: start, time, control: &control };
             let jacobian = jacobian::jacobian(&*self.system, scheme, &at)?;
-            parameters += jacobian.parameters.tr_mul(&state);
+            let by_parameters = jacobian.parameters.tr_mul(&state);
+            parameters = Some(
+                parameters
+                    .map_or_else(|| by_parameters.clone(), |before: DVector<f64>| before + &by_parameters),
+            );
             controls.push(jacobian.control.tr_mul(&state));
             state = jacobian.state.tr_mul(&state);
         }
         controls.reverse();
+        let parameters = parameters.unwrap_or_else(|| DVector::zeros(length(description.parameters)));
         Ok(Parts { state, control: controls, parameters })
     }
 
     /// The scheme; none of a method of one's own.
     fn scheme(&self) -> Result<&Scheme, JacobianError> {
         let missing = || JacobianError::NotGenerated {
+            key: "derivatives",
             scheme: "a method of one's own".into(),
             system: self.system.description().name,
         };

@@ -796,3 +796,28 @@ fn no_figure_passes_by_a_hair() {
         }
     }
 }
+
+/// A servo whose damping settles within some steps: back in time it grows, and rounding with it.
+#[lie_poisson_system(
+    group = SO2,
+    force = vector![-stiffness * angle.angle() - damping * velocity.x],
+    retractions(Exponential),
+    methods(Midpoint)
+)]
+struct Servo {
+    #[inertia]
+    inertia: f64,
+    stiffness: f64,
+    damping: f64,
+}
+
+#[test]
+fn what_is_damped_there_grows_on_the_way_back() {
+    for damping in [1.0, 8.0, 12.0, 30.0] {
+        let servo = Servo { inertia: 0.05, stiffness: 60.0, damping };
+        let state = ServoState { angle: UnitComplex::new(0.3), momentum: vector![0.025] };
+        let report = passes::<Midpoint, _>(&servo, &[state], &[]);
+        let back = report.certificate("reversibility").unwrap();
+        assert_eq!(back.verdict, Verdict::Passed, "{damping}");
+    }
+}

@@ -30,6 +30,11 @@ pub(super) fn derivative(
     let maps = Maps { module, interface, private };
     let through = maps.through_type();
     let functions = module.functions.iter().map(|function| maps.method(function));
+    let matrices = [DerivativeRole::WrtState, DerivativeRole::WrtControl, DerivativeRole::WrtParameters];
+    let matrices = matrices.map(|role| module.function(role).is_some());
+    let matrices = matrices.contains(&true).then(|| {
+        quote! { const MATRICES: [::core::primitive::bool; 3] = [#(#matrices),*]; }
+    });
     let no_through = module.function(DerivativeRole::Through).is_none().then(|| {
         quote! {
             #[inline]
@@ -48,6 +53,7 @@ pub(super) fn derivative(
             impl<T: Scalar> Linearized<T, __System> for #kernel<T> {
                 type Point = #point;
                 type Through = #through;
+                #matrices
 
                 #(#functions)*
                 #no_through

@@ -71,7 +71,15 @@ fn parts_of_momenta() {
         body,
         &[(
             "(angular_velocity, j)",
-            "this force must be a vector of 6, or its parts `(angular, linear)`, but this is a tuple of 2",
+            "this force must be a vector of 6, or its parts `(angular, linear)`, a vector of 3 and a vector of 3, but this is a tuple of 2",
+        )],
+    );
+    breaks(
+        "group = SE2, force = (vector![j], vector![j, j])",
+        body,
+        &[(
+            "(vector![j], vector![j, j])",
+            "this force must be a vector of 3, or its parts `(angular, linear)`, a scalar and a vector of 2, but",
         )],
     );
     breaks(
@@ -89,7 +97,7 @@ fn parts_of_momenta() {
         body,
         &[(
             "angular_velocity",
-            "this force must be a vector of 3, or its parts `(angular, linear)`, but this is a scalar",
+            "this force must be a vector of 3, or its parts `(angular, linear)`, a scalar and a vector of 2, but this is a scalar",
         )],
     );
 }

@@ -72,7 +72,7 @@ pub struct Solution<'a> {
 
 /// The derivative of a step.
 pub trait StepDerivative: Send + Sync + 'static {
-    /// Its matrices at a solution; zeros in the place of those that the description does not ask for.
+    /// Its matrices at a solution; no columns where the description does not ask for them.
     fn jacobian(&self, at: &Solution<'_>) -> Jacobian;
 }
 
