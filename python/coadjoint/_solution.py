@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -154,6 +155,9 @@ def run(
         if (ordered <= 0).any():
             raise ValueError("t_eval must be in the order of the run, each time once")
     acting, kind, driven = law(system, controls)
+    if kind == "driven" and tolerance is None and name.startswith("HamiltonJacobi"):
+        what = "Hamilton–Jacobi steps hold the controls' value at their middle: with a function of time they are of order 2"
+        warnings.warn(f"{what}; `order=4` composes steps that keep the order, and a `tolerance` follows it", stacklevel=3)
     dense = samples is None if dense_output is None else dense_output
     keeps = samples is None or dense
     watching = watched(system, events)

@@ -507,7 +507,8 @@ class BoundSystem:
         t_span: start and end; a number is the end of a run from 0.
         step: the length of the steps; their direction is that of `t_span`. The last one is shorter where whole steps do not lead to the end.
         scheme, order: the steps: `exponential`, the default, `cayley`, `midpoint`, `verlet` … or the library's name, `Midpoint<Cayley>`; of order 2, or composed
-            to 4, 6, 8 or 10. Words are on the exponential, or on the Cayley map where that alone was derived; `hamilton-jacobi` has the order that was derived.
+            to 4, 6, 8 or 10. Words are on the exponential, or on the Cayley map where that alone was derived; `hamilton-jacobi` has the order that was
+            derived, and order 2 with controls that are a function of `t`.
         tolerance: in place of `step`, Taylor steps, each as long as this error allows: the description needs `taylor`.
         max_step: with a `tolerance`, no step is longer. What comes and goes within a step, as a pulse does, may not be seen.
         controls: an array or a dict that is held; `(times, values)`, each held until the next time, without a line or a curve between them, and with a

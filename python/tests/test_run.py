@@ -472,3 +472,27 @@ def test_a_page_is_that_of_the_program(top, y0, cart):
     if program:
         page = top.run(y0, 2, step=0.01).view(program)
         assert "<html" in (page if isinstance(page, str) else page.data)
+
+
+def test_orders_with_controls_that_are_functions_of_time():
+    spring = dict(group="R1", potential="0.5 * position.x.powi(2)", control="u: float", force="u", methods="HamiltonJacobi(4), Midpoint")
+    mass = co.System(inertia="m: float", taylor=True, **spring)(m=1)
+    exact = 2 / 3 * np.sin(2) - np.sin(4) / 3
+
+    def off(**keys):
+        return abs(mass.run({}, 2, controls=lambda t: [np.sin(2 * t)], **keys).y.position[-1, 0] - exact)
+
+    assert off(step=0.1, order=4) < 1e-5 and off(tolerance=1e-12) < 1e-11
+    with pytest.warns(UserWarning, match="of order 2"):
+        held = [off(step=h, scheme="hamilton-jacobi") for h in (0.1, 0.05)]
+    assert 3.5 < held[0] / held[1] < 4.5
+    # steps that hold a control by themselves say nothing
+    mass.run({}, 2, step=0.1, scheme="hamilton-jacobi", controls=[1.0])
+
+
+def test_a_momentum_moves_with_its_control():
+    lagrangian = "0.5 * m * velocity.x.powi(2) + u * velocity.x - 0.5 * position.x.powi(2)"
+    mass = co.System(group="R1", parameters="m: float", control="u: float", lagrangian=lagrangian, taylor=True)(m=1)
+    # p = v + u, and x'' = −x − u'
+    sol = mass.run([1.0, 0.0], 3, tolerance=1e-12, controls=lambda t: [t])
+    assert abs(sol.y.position[-1, 0] - (2 * np.cos(3) - 1)) < 1e-11

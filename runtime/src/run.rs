@@ -324,7 +324,8 @@ where
     }
 
     /// Drives the run by `input`, a function of time: it is asked in the middle of each step, or of each of the steps that a composition is made of,
-    /// so that the motion has the order of the scheme wherever the input is smooth enough.
+    /// so that the motion has the order of the scheme wherever the input is smooth enough. [Hamilton–Jacobi](crate::HamiltonJacobi) steps, too, hold
+    /// the value at their middle: with an input that changes they are of order 2.
     ///
     /// [Taylor steps](crate::taylor) ask it at points of the step that they try, and follow it as closely as their tolerance says.
     ///

@@ -113,7 +113,7 @@ pub(crate) struct MotionArguments {
     /// A table of controls that are functions of time
     ///
     /// A column `time`, s, and one for each component of a control, under its name. A step asks it where it needs it, so
-    /// that orders stay. Outside of its rows controls are held; a control without a column is as `--set` says, or zero.
+    /// that orders stay, but for that of Hamilton–Jacobi steps, which is 2 then. Outside of its rows controls are held; a control without a column is as `--set` says, or zero.
     #[arg(long, value_name = "FILE")]
     pub(crate) input: Option<PathBuf>,
     /// What is between the rows of the table [default: cubic]
@@ -230,8 +230,9 @@ impl<'e> Motion<'e> {
         }
         let retraction = scheme.retraction.unwrap_or_else(|| Retraction::Exponential.or_first_of(entry));
         let order = scheme.order.unwrap_or(Order::Two);
-        // members go side by side where their steps are composed
-        let usual = if is_ensemble { Method::Standard } else { usual_method(entry, retraction, order) };
+        // members go side by side where their steps are composed, and compositions keep their order where an input drives them
+        let is_composed = is_ensemble || asked.input.is_some();
+        let usual = if is_composed { Method::Standard } else { usual_method(entry, retraction, order) };
         let method = scheme.method()?.unwrap_or(usual);
         let job = Job { method, retraction, order, step, steps, rest };
         if let Some(file) = &asked.input {
@@ -240,7 +241,14 @@ impl<'e> Motion<'e> {
             changes.drive(input);
         }
         let (setup, notes) = changes.clone().finish()?;
-        note.into_iter().chain(notes).try_for_each(|note| console.note(note))?;
+        let held = (method.is_of_order() && asked.input.is_some()).then(|| {
+            format!(
+                "a step of method {method} holds the input's value at its middle, and is of order 2 then: `--order {}` alone \
+                 composes steps that keep the order",
+                order.number()
+            )
+        });
+        note.into_iter().chain(held).chain(notes).try_for_each(|note| console.note(note))?;
         Ok(Self { entry, changes, setup, job })
     }
 }

@@ -407,7 +407,7 @@ impl Session {
         contents.extend(shown(&entry, &plan, steps, &recorders, &files)?);
         let status = interrupted.map_or(Status::Complete, Status::Interrupted);
         let estimate = match interrupted {
-            None => error_estimate(&entry, &plan.setup, &plan.job)?,
+            None => error_estimate(&entry, &plan.setup, &plan.job, &interrupt::requested)?,
             Some(_) => None,
         };
         let guard = guard.with_error_estimate(estimate.as_ref().map(ErrorEstimate::words));

@@ -90,17 +90,22 @@ impl ErrorEstimate {
 }
 
 /// Estimates the error of a run's trajectory by its beginning, a tenth of it or a thousand steps: that is run
-/// with its step, and with half of it. None of a run without steps, and where half the step leads nowhere.
+/// with its step, and with half of it. None of a run without steps, where half the step leads nowhere, and where it is to `stop`.
 ///
 /// # Errors
 /// If a step of the run cannot be taken.
-pub fn error_estimate(entry: &Entry, setup: &Setup, job: &Job) -> Result<Option<ErrorEstimate>, RunError> {
+pub fn error_estimate(
+    entry: &Entry,
+    setup: &Setup,
+    job: &Job,
+    stop: &dyn Fn() -> bool,
+) -> Result<Option<ErrorEstimate>, RunError> {
     let steps = (job.steps / 10).clamp(LEAST.min(job.steps), MOST);
     let end = |job: &Job| -> Result<Vec<f64>, RunError> {
         let mut end = Vec::new();
-        simulate(entry, setup, job, None, &|_| u64::MAX, &mut |sample| {
+        simulate(entry, setup, job, None, &|index| index + STOPS, &mut |sample| {
             end = sample.state.to_vec();
-            ControlFlow::Continue(())
+            if stop() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         })?;
         Ok(end)
     };
@@ -118,7 +123,7 @@ pub fn error_estimate(entry: &Entry, setup: &Setup, job: &Job) -> Result<Option<
         }
         _ => (Job { step: 0.5 * job.step, steps: 2 * steps, rest: 0.0, ..*job }, "half the step"),
     };
-    Ok(end(&better).ok().map(|there| ErrorEstimate {
+    Ok(end(&better).ok().filter(|_| !stop()).map(|there| ErrorEstimate {
         time: steps as f64 * job.step,
         by,
         distance: Distance::between(entry, [&here, &there], &setup.state),
@@ -127,5 +132,7 @@ pub fn error_estimate(entry: &Entry, setup: &Setup, job: &Job) -> Result<Option<
 
 /// As many steps are compared of any run that has them.
 const LEAST: u64 = 1000;
+/// After so many it may stop.
+const STOPS: u64 = 64;
 /// No more are compared.
 const MOST: u64 = 100_000;

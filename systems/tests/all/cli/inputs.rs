@@ -62,3 +62,48 @@ fn a_table_that_is_none_is_refused() {
     }
     assert!(scratch.files("out").is_empty());
 }
+
+#[test]
+fn an_order_is_kept_with_a_table() {
+    let scratch = Scratch::new("input-order");
+    let description = "#[lie_poisson_system(
+        group = R1, control(push: f64), force = push, potential = 0.5 * position.x.powi(2), methods(HamiltonJacobi(4))
+    )]
+    struct Mass { #[inertia] mass: f64 }";
+    std::fs::write(scratch.0.join("mass.rs"), description).expect("written");
+    let rows = (0..=40).map(|k| f64::from(k) * 0.05).map(|time| format!("{time},{}\n", (2.0 * time).sin()));
+    std::fs::write(scratch.0.join("push.csv"), format!("time,push\n{}", rows.collect::<String>()))
+        .expect("written");
+    let run = [
+        "run",
+        "--description",
+        "mass.rs",
+        "--duration",
+        "2",
+        "--step",
+        "0.1",
+        "--set",
+        "mass=1",
+        "--order",
+        "4",
+    ];
+    let with = |more: &[&str]| {
+        let printed = scratch.prints(&[&run[..], &["--out", "-", "--format", "csv"], more].concat());
+        let output = scratch.coadjoint(&[&run[..], &["--out", "-", "--format", "csv"], more].concat());
+        (printed, text(&output.stderr))
+    };
+    let end = |printed: &str| -> f64 {
+        let last = printed.lines().filter(|line| line.starts_with("2.0,")).next_back().expect("the last row");
+        last.split(',').nth(1).expect("a position").parse().expect("a number")
+    };
+    // x'' = sin 2t − x from rest at zero
+    let exact = 2.0 / 3.0 * 2.0_f64.sin() - 4.0_f64.sin() / 3.0;
+    let (composed, said) = with(&["--input", "push.csv"]);
+    assert!((end(&composed) - exact).abs() < 1e-5, "{} {exact}", end(&composed));
+    assert!(!said.contains("of order 2 then"), "{said}");
+    let (held, said) = with(&["--input", "push.csv", "--method", "hamilton-jacobi"]);
+    assert!((end(&held) - exact).abs() > 1e-4, "{} {exact}", end(&held));
+    assert!(said.contains("of order 2 then"), "{said}");
+    let (_, said) = with(&["--method", "hamilton-jacobi"]);
+    assert!(!said.contains("of order 2 then"), "{said}");
+}
