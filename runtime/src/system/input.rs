@@ -106,7 +106,7 @@ impl<C: AsRef<[f64]> + AsMut<[f64]> + Clone> Polynomial<C> {
                 (if x < least { x } else { least }, if x > most { x } else { most })
             });
             let by_time = (start.abs() + length.abs()) * ((most - least) / length).abs();
-            let rest = (rest - 8.0 * f64::EPSILON * (size + by_time)).max(0.0);
+            let rest = (rest - f64::EPSILON * (8.0 * size + 4.0 * by_time)).max(0.0);
             if rest > 0.0 {
                 worst = worst.max(rest / size);
             }
