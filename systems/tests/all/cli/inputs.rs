@@ -93,7 +93,7 @@ fn an_order_is_kept_with_a_table() {
         (printed, text(&output.stderr))
     };
     let end = |printed: &str| -> f64 {
-        let last = printed.lines().filter(|line| line.starts_with("2.0,")).next_back().expect("the last row");
+        let last = printed.lines().rfind(|line| line.starts_with("2.0,")).expect("the last row");
         last.split(',').nth(1).expect("a position").parse().expect("a number")
     };
     // x'' = sin 2t − x from rest at zero
