@@ -8,9 +8,9 @@ use core::fmt;
 use core::marker::PhantomData;
 
 use crate::error::{ParameterError, StepError};
-use crate::method::{Advanced, Clock, Stage};
+use crate::method::{Advanced, Clock};
 use crate::scalar::simd::loads::{apart, one_by_one};
-use crate::scalar::{Batch, Components, Real, Scalar};
+use crate::scalar::{Components, Real, Scalar};
 use crate::snapshot::{self, visit_flag};
 pub use crate::system::stepper::Stepper;
 pub(crate) use crate::system::stepper::check_step;
@@ -282,9 +282,9 @@ impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
     #[inline(never)]
     fn step_anew(&mut self, state: &mut S::State, control: &S::Control) -> Result<StepReport, StepError> {
         check_deviation(state.deviation().to_f64())?;
-        let (time, method, control) = (self.now(), &mut self.method, &control.to_components());
-        let step = Stage { method, from: None, state: &state.to_components(), time, control, known: false };
-        match S::Scalar::dispatch(step) {
+        let (time, control) = (self.now(), control.to_components());
+        // not by the fast path, which knows nothing yet
+        match self.method.advance_from(None, &state.to_components(), time, &control, false) {
             // in a function with the same lines above, what is in registers there would go through memory
             Ok(Advanced { state: next, iterations, residual }) => {
                 let next = one_by_one::<S::Scalar, _>(&next);
