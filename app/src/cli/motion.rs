@@ -113,7 +113,8 @@ pub(crate) struct MotionArguments {
     /// A table of controls that are functions of time
     ///
     /// A column `time`, s, and one for each component of a control, under its name. A step asks it where it needs it, so
-    /// that orders stay, but for that of Hamilton–Jacobi steps, which is 2 then. Outside of its rows controls are held; a control without a column is as `--set` says, or zero.
+    /// that orders stay, but for that of Hamilton–Jacobi steps, which is 2 then. Outside of its rows controls are held; a
+    /// control without a column is as `--set` says, or zero.
     #[arg(long, value_name = "FILE")]
     pub(crate) input: Option<PathBuf>,
     /// What is between the rows of the table [default: cubic]
