@@ -158,6 +158,9 @@ def run(
     if kind == "driven" and tolerance is None and name.startswith("HamiltonJacobi"):
         what = "Hamilton–Jacobi steps hold the controls' value at their middle: with a function of time they are of order 2"
         warnings.warn(f"{what}; `order=4` composes steps that keep the order, and a `tolerance` follows it", stacklevel=3)
+    if kind == "feedback" and tolerance is not None and max_step is None:
+        what = "the law is asked before each step, and a `tolerance` knows nothing of its change within one: its steps may be long"
+        warnings.warn(f"{what}; `max_step` bounds them, and a law that is written into the description is followed", stacklevel=3)
     dense = samples is None if dense_output is None else dense_output
     keeps = samples is None or dense
     watching = watched(system, events)
@@ -205,7 +208,7 @@ def run(
     )
     solution._known = ticks if dense else None
     solution._driven = driven
-    solution._exact = kind != "feedback" or every == 1
+    solution._exact = kind not in ("feedback", "grid") or every == 1
     solution.end = State(system.system._state, found["end"][1])
     solution.t_end = found["end"][0]
     if error is not None:
@@ -288,7 +291,7 @@ class Solution:
         if self._known is None:
             raise ValueError("this solution has no dense output: run with `dense_output=True`, or without `t_eval`")
         if not self._exact:
-            raise ValueError("what a law chose between recorded states is not known: run with `every=1`")
+            raise ValueError("what a law or a table held between recorded states is not kept: run with `every=1`")
         times = numbers(t, "t")
         ticks = self._known[0]
         low, high = min(ticks[0], ticks[-1]), max(ticks[0], ticks[-1])

@@ -63,6 +63,8 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
     /// A place for each value of the step's [program](Self::PROGRAM), and one that is nobody's.
     type Places<X: Scalar>: Components<X>;
 
+    /// Whether it is made at run time: what the constants below say is not what it says of itself then.
+    const IS_MADE: bool = false;
     /// The lengths of the blocks of unknowns, each of one unit: what is solved for in one is solved to the digits of that.
     const BLOCKS: Blocks;
     /// [`BLOCKS`](Self::BLOCKS). Of a kernel that is made at run time they are known then, as is all that follows.
@@ -109,6 +111,8 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
     /// Whether the update is a Newton step, or a simplified one with nearly the true Jacobian, and the state after the step is made of the unknown itself,
     /// not of an evaluation near it, but for terms that the Jacobian leaves out.
     const IS_NEWTON: bool = false;
+    /// Whether it may be said by [`is_newton`](Self::is_newton): else there is no code for it.
+    const MAY_BE_NEWTON: bool = Self::IS_NEWTON || Self::IS_MADE;
     /// [`IS_NEWTON`](Self::IS_NEWTON)
     #[inline(always)]
     fn is_newton(&self) -> bool {
@@ -121,6 +125,8 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
     fn is_chord(&self) -> bool {
         Self::IS_CHORD
     }
+    /// Whether it may be said by [`finds_any`](Self::finds_any): else there is no code for it.
+    const MAY_FIND_ANY: bool = Self::IS_NEWTON && !Self::IS_CHORD || Self::IS_MADE;
     /// Whether iterations may contract to any solution, for their matrix is taken where they have come to.
     #[inline(always)]
     fn finds_any(&self) -> bool {

@@ -323,7 +323,8 @@ fn report(done: FinishedRun, checkpoint: Option<&Path>, console: &mut Console<'_
     let words = console.words();
     writeln!(words, "interrupted at {end} s")?;
     if let Some(path) = checkpoint {
-        writeln!(words, "`{} resume {}` resumes it", program(), path.display())?;
+        let file = entry.file.as_ref().map(|file| format!("--description {} ", file.display()));
+        writeln!(words, "`{} resume {}{}` resumes it", program(), file.unwrap_or_default(), path.display())?;
     }
     Err(Error::Interrupted)
 }

@@ -204,7 +204,11 @@ impl Session {
         interrupt::listen();
         let (store, saved) = CheckpointStore::open::<Saved>(path)?;
         let Saved { plan, recorders, checkpoint: from, version } = saved;
-        let entry = catalogue.system(&plan.system)?;
+        let entry = catalogue.find(&plan.system).ok_or_else(|| {
+            let (name, file) = (&plan.system, path.display());
+            let resume = format!("`resume --description FILE {file}` takes the file that describes it");
+            SetupError::new(format!("there is no system `{name}`: {resume}"))
+        })?;
         let lengths = |setup: &Setup| (setup.parameters.len(), setup.state.len(), setup.controls.len());
         if lengths(&plan.setup) != lengths(&entry.example) || version != self::version(entry, &plan) {
             let what = "was made by another version of the program or the system, whose steps may differ in their \

@@ -392,6 +392,10 @@ impl FromStr for Method {
                 if let Some(Rules::Share(rule)) = method.map(|method| &method.rules) {
                     return fraction(of, s).map(|(n, d)| Method::Step(rule(n, d)));
                 }
+                if Self::named().any(|method| method.words().0 == of) {
+                    let order = format!("orders are said apart: `--order {s}`, in a file `order = {s}`");
+                    return Err(format!("`{of}` takes no number; {order}"));
+                }
             }
             None => {}
         }

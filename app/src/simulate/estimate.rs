@@ -69,7 +69,7 @@ pub struct ErrorEstimate {
     /// What the second run has: half the step.
     #[serde(skip)]
     pub by: &'static str,
-    /// The distance of the state there from that of the second run.
+    /// The distance of the state there from the exact one, as that from the second run's tells it.
     #[serde(flatten)]
     pub distance: Distance,
 }
@@ -123,10 +123,14 @@ pub fn error_estimate(
         }
         _ => (Job { step: 0.5 * job.step, steps: 2 * steps, rest: 0.0, ..*job }, "half the step"),
     };
-    Ok(end(&better).ok().filter(|_| !stop()).map(|there| ErrorEstimate {
-        time: steps as f64 * job.step,
-        by,
-        distance: Distance::between(entry, [&here, &there], &setup.state),
+    Ok(end(&better).ok().filter(|_| !stop()).map(|there| {
+        let mut distance = Distance::between(entry, [&here, &there], &setup.state);
+        if !matches!(job.method, Method::Taylor(_)) {
+            // the second run has an error, too: of order p, one 2^p-th of that of the first
+            let power = 0.5_f64.powi(job.order_of_step(entry) as i32);
+            distance.distance /= 1.0 - power;
+        }
+        ErrorEstimate { time: steps as f64 * job.step, by, distance }
     }))
 }
 

@@ -29,7 +29,7 @@ pub(super) fn solve<T: Batch, U: Components<T>, E: Iterated<T, U> + ?Sized>(
     // of changes, one after the other, that are no rounding
     let (mut iterations, mut residual, mut sharp) = (T::all(0), T::of(0.0), [T::of(1.0), memory.rate]);
     let (mut last, mut round) = (T::of(FAR), 0);
-    let start = facts.finds_any.then(|| equation.start());
+    let start = if const { E::MAY_FIND_ANY } && facts.finds_any { Some(equation.start()) } else { None };
     let is_as_fast = memory.is_as_fast(convergence);
     let few = if convergence.is_newton() { FEW + 1 } else { 1 };
     let mut measures = !is_as_fast;
@@ -49,7 +49,7 @@ pub(super) fn solve<T: Batch, U: Components<T>, E: Iterated<T, U> + ?Sized>(
         round += 1;
         count::<T>(&mut iterations, again);
         let now = change::<T, _>(blocks, &point, &unknown);
-        let [least, _, most] = TOLERANCE.map(|units| T::of(units * T::EPSILON));
+        let (least, most) = (T::of(TOLERANCE[0] * T::EPSILON), T::of(TOLERANCE[2] * T::EPSILON));
         if round > 1 {
             let mut is_sharp = again & convergence.shows(last);
             if convergence.is_newton() {
@@ -74,7 +74,9 @@ pub(super) fn solve<T: Batch, U: Components<T>, E: Iterated<T, U> + ?Sized>(
             };
             is_last = is_last | (again & !is_as_fast & is_small);
         }
-        if let Some(start) = &start {
+        if const { E::MAY_FIND_ANY }
+            && let Some(start) = &start
+        {
             // it may be another solution
             let is_far = !is_found_from_start(equation, blocks, start, &unknown, is_last);
             (is_last, again) = (is_last & !is_far, again & !is_far);

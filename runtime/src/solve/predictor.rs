@@ -26,6 +26,8 @@
 //! Newton's method takes off so much that rounding is no matter, and is there for steps so large that sixteen of them are too many to look back:
 //! its guess is the polynomial through eight, of what solutions are apart from their equations' [first approximations](crate::kernel::Kernel::start).
 
+use core::marker::PhantomData;
+
 use super::constants::{LOST, LOW, SMALL, THROUGH};
 use crate::kernel::Kernel;
 use crate::scalar::blocks::{is_within, less, plus, select, weighted, weights};
@@ -77,6 +79,51 @@ impl Continuation {
     fn points(self) -> usize {
         if self == Self::Eighth { THROUGH } else { WINDOW }
     }
+}
+
+/// Which continuations there are to choose from, as far as that is known when code is compiled.
+pub(super) trait Continuations {
+    /// Whether [`Continuation::Eighth`] is one.
+    const EIGHTH: bool = false;
+    /// Whether [`Continuation::Odd`] is.
+    const ODD: bool = false;
+    /// Whether [`Continuation::Chosen`] is.
+    const CHOSEN: bool = false;
+}
+
+/// All of them.
+pub(super) struct Any;
+/// [`Continuation::Eighth`]
+struct Eighth;
+/// [`Continuation::Odd`]
+struct Odd;
+/// [`Continuation::Chosen`]
+struct Chosen;
+/// That of a kernel's solutions.
+pub(super) struct Of<T, K>(PhantomData<(T, K)>);
+
+impl Continuations for Any {
+    const EIGHTH: bool = true;
+    const ODD: bool = true;
+    const CHOSEN: bool = true;
+}
+
+impl Continuations for Eighth {
+    const EIGHTH: bool = true;
+}
+
+impl Continuations for Odd {
+    const ODD: bool = true;
+}
+
+impl Continuations for Chosen {
+    const CHOSEN: bool = true;
+}
+
+impl<T: Scalar, K: Kernel<T>> Continuations for Of<T, K> {
+    const EIGHTH: bool = K::MAY_BE_NEWTON;
+    const ODD: bool = K::IS_MADE || !(K::IS_NEWTON || K::IS_LONG);
+    const CHOSEN: bool = K::IS_MADE || !K::IS_NEWTON && K::IS_LONG;
 }
 
 /// Where the solutions before point, and the place that the next one will take: in registers while many steps are taken.
@@ -160,7 +207,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     /// `x_j`, from the latest on, for `j` up to [`WINDOW`].
     #[inline(always)]
     fn row(&self, oldest: u32, j: usize) -> &Row<T, U, 1> {
-        &self.ring[(oldest as usize + WINDOW - j) % WINDOW]
+        &self.ring[oldest.wrapping_sub(j as u32) as usize % WINDOW]
     }
 
     /// The latest that was kept.
@@ -183,11 +230,12 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
 
     /// The weights of the differences.
     #[inline(always)]
-    pub(super) fn weights(&self, by: Continuation) -> [T; 5] {
-        let [calm, usual] = [all_of(CALM), all_of(WEIGHTS)];
-        if by != Continuation::Chosen {
+    pub(super) fn weights<C: Continuations>(&self, by: Continuation) -> [T; 5] {
+        let usual = all_of(WEIGHTS);
+        if const { !C::CHOSEN } || by != Continuation::Chosen {
             return usual;
         }
+        let calm = all_of(CALM);
         // no closure, which would not be compiled for the processor that the caller is compiled for
         let is_calm = T::of(WINDOW as f64).lt(self.count);
         let [a, b, c, d, e] = calm;
@@ -203,8 +251,14 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
 
     /// What the solutions that there are contribute to the one after the next, where [all are of use](Self::is_full).
     #[inline(always)]
-    pub(super) fn begun<P: Processor>(&self, oldest: u32, by: Continuation, weights: &[T; 5]) -> U {
-        computed::<P, _, _, _>(&mut Begun { predictor: self, oldest, by, weights }, &self.next)
+    pub(super) fn begun<C: Continuations, P: Processor>(
+        &self,
+        oldest: u32,
+        by: Continuation,
+        weights: &[T; 5],
+    ) -> U {
+        let among = PhantomData::<C>;
+        computed::<P, _, _, _>(&mut Begun { predictor: self, oldest, by, weights, among }, &self.next)
     }
 
     /// The solution after this one, from what was [begun](Self::begun).
@@ -213,22 +267,33 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         plus(begun, if by == Continuation::Eighth { T::of(BINOMIAL[0]) } else { weights[0] }, solution)
     }
 
-    /// Where all solutions point with these weights.
+    /// Where all solutions point with these weights, of which this is the latest.
     #[inline(always)]
-    fn by_all(&self, by: Continuation, weights: &[T; 5]) -> U {
-        // begun a step ago
-        let begun = self.begun::<Portable>(self.oldest.wrapping_sub(1), by, weights);
-        Self::then(&begun, &self.latest(), by, weights)
+    fn by_all<C: Continuations>(&self, latest: &U, by: Continuation, weights: &[T; 5]) -> U {
+        // begun a step ago; one by one, which is half as much to compile, and no slower where it is not the fast path
+        let (oldest, among) = (self.oldest.wrapping_sub(1), PhantomData::<C>);
+        let mut begun = Begun { predictor: self, oldest, by, weights, among };
+        let mut next = *latest;
+        let mut i = 0;
+        while i < U::LENGTH {
+            next.as_mut()[i] = begun.at(i);
+            i += 1;
+        }
+        Self::then(&next, latest, by, weights)
     }
 
     /// Chooses the weights that would have led nearer to this solution, in some lanes.
     #[inline(always)]
     fn choose(&mut self, sizes: &U, solution: &U, wanted: T::Mask) {
-        let by_calm = self.by_all(Continuation::Chosen, &all_of(CALM));
-        let by_usual = self.by_all(Continuation::Chosen, &all_of(WEIGHTS));
-        let calm = weighted::<T, _>(sizes, &by_calm, solution);
-        let usual = weighted::<T, _>(sizes, &by_usual, solution);
-        let [all, one_more] = [WINDOW, WINDOW + 1].map(|count| T::of(count as f64));
+        let (weights, latest) = ([all_of(CALM), all_of(WEIGHTS)], self.latest());
+        let (mut off, mut k) = ([T::of(0.0); 2], 0);
+        // in one piece of code
+        while k < 2 {
+            let next = self.by_all::<Chosen>(&latest, Continuation::Chosen, &weights[k]);
+            off[k] = weighted::<T, _>(sizes, &next, solution);
+            k += 1;
+        }
+        let ([calm, usual], all, one_more) = (off, T::of(WINDOW as f64), T::of((WINDOW + 1) as f64));
         self.count = T::select(wanted, T::select(calm.lt(usual), one_more, all), self.count);
     }
 
@@ -272,7 +337,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
 
     /// Takes one more solution, whatever there is: `IN_LINE`, or by a call.
     #[inline(always)]
-    pub(super) fn learn<const IN_LINE: bool>(
+    pub(super) fn learn<C: Continuations, const IN_LINE: bool>(
         &mut self,
         by: Continuation,
         blocks: &[usize],
@@ -293,16 +358,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         let sizes = &weights::<T, _>(blocks, solution);
         let (kept, next) = (&kept, &next);
         let learn = Learn { predictor: self, by, start, solution, kept, next, is_near, sizes, quick };
-        if const { IN_LINE } { learn.learned::<IN_LINE>(by) } else { T::dispatch(learn) }
-    }
-
-    /// Takes one more solution where all before are of use, and pointed to it.
-    #[inline(always)]
-    fn learn_next(&mut self, kept: &U, by: Continuation) {
-        let weights = self.weights(by);
-        let begun = self.begun::<Portable>(self.oldest, by, &weights);
-        self.push(kept);
-        self.next = Self::then(&begun, kept, by, &weights);
+        if const { IN_LINE } { learn.learned::<C, IN_LINE>(by) } else { T::dispatch(learn) }
     }
 
     /// Takes the first solution after a state that no step has led to: there is nothing to compare it with.
@@ -313,9 +369,9 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         self.next = plus(&U::splat(T::of(0.0)), T::of(1.0), solution);
     }
 
-    /// Predicts the next solution.
+    /// Predicts the next solution, where this is the latest.
     #[inline(always)]
-    fn predict(&mut self, by: Continuation) {
+    fn predict<C: Continuations>(&mut self, latest: &U, by: Continuation) {
         let most = T::of(THROUGH as f64);
         let is_full = self.are_all(by);
         self.is_full = is_full.all();
@@ -325,7 +381,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         }
         // in the order in which the fast path adds
         if is_full.any() {
-            next = select(is_full, &self.by_all(by, &self.weights(by)), &next);
+            next = select(is_full, &self.by_all::<C>(latest, by, &self.weights::<C>(by)), &next);
         }
         self.next = next;
     }
@@ -362,7 +418,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
             j += 1;
         }
         if self.remembers() {
-            self.predict(by);
+            self.predict::<Any>(&self.latest(), by);
         } else {
             self.is_full = false;
         }
@@ -394,9 +450,9 @@ impl<T: Batch, U: Components<T>> Work for Learn<'_, T, U> {
     fn done(self) {
         // what the compiler knows of them saves a third
         match self.by {
-            Continuation::Eighth => self.learned::<false>(Continuation::Eighth),
-            Continuation::Odd => self.learned::<false>(Continuation::Odd),
-            Continuation::Chosen => self.learned::<false>(Continuation::Chosen),
+            Continuation::Eighth => self.learned::<Eighth, false>(Continuation::Eighth),
+            Continuation::Odd => self.learned::<Odd, false>(Continuation::Odd),
+            Continuation::Chosen => self.learned::<Chosen, false>(Continuation::Chosen),
         }
     }
 }
@@ -406,39 +462,37 @@ impl<T: Batch, U: Components<T>> Learn<'_, T, U> {
     /// learns, others beside it make no difference to: where all were of use and the step was as `quick` as on the fast path, it would have been
     /// taken there.
     #[inline(always)]
-    fn learned<const IN_LINE: bool>(self, by: Continuation) {
+    fn learned<C: Continuations, const IN_LINE: bool>(self, by: Continuation) {
         let Self { predictor, start, solution, kept, next, sizes, quick, .. } = self;
         let mut is_near = T::Mask::splat(false);
         if predictor.is_full || const { T::LANES > 1 } {
             let is_full = predictor.are_all(by);
             // of steps that are learned in line there are no others
-            if const { !IN_LINE } && by == Continuation::Chosen {
+            if const { !IN_LINE && C::CHOSEN } && by == Continuation::Chosen {
                 predictor.choose(sizes, solution, is_full & !quick);
             }
             is_near = is_full & (quick | self.is_near);
-            if is_near.all() {
-                predictor.learn_next(kept, by);
-                return;
+        }
+        if !is_near.all() {
+            let off = weighted::<T, _>(sizes, next, solution);
+            let (one, low, full) = (T::of(1.0), T::of(LOW as f64), T::of(WINDOW as f64));
+            let before = predictor.count;
+            // by one solution alone large steps are off by as much, and the motion shows by two
+            let is_first = T::Mask::splat(by == Continuation::Eighth) & before.lt(T::of(2.0));
+            let is_of_use = is_first | off.le(T::of(LOST));
+            let known = T::select(is_of_use, before, T::of(0.0));
+            predictor.count = T::select(known.lt(full), known + one, known);
+            let is_long = low.lt(known);
+            if is_long.any() {
+                let by_few = from_start(start, &predictor.through(low));
+                let small = T::of(SMALL * T::EPSILON);
+                let is_jump = is_long & small.lt(off) & weighted::<T, _>(sizes, &by_few, solution).lt(off);
+                predictor.count = T::select(is_jump, low, predictor.count);
             }
+            predictor.count = T::select(is_near, before, predictor.count);
         }
-        let off = weighted::<T, _>(sizes, next, solution);
-        let [one, low, full] = [1.0, LOW as f64, WINDOW as f64].map(T::of);
-        let before = predictor.count;
-        // by one solution alone large steps are off by as much, and the motion shows by two
-        let is_first = T::Mask::splat(by == Continuation::Eighth) & before.lt(T::of(2.0));
-        let is_of_use = is_first | off.le(T::of(LOST));
-        let known = T::select(is_of_use, before, T::of(0.0));
-        predictor.count = T::select(known.lt(full), known + one, known);
-        let is_long = low.lt(known);
-        if is_long.any() {
-            let by_few = from_start(start, &predictor.through(low));
-            let small = T::of(SMALL * T::EPSILON);
-            let is_jump = is_long & small.lt(off) & weighted::<T, _>(sizes, &by_few, solution).lt(off);
-            predictor.count = T::select(is_jump, low, predictor.count);
-        }
-        predictor.count = T::select(is_near, before, predictor.count);
         predictor.push(kept);
-        predictor.predict(by);
+        predictor.predict::<C>(kept, by);
     }
 }
 
@@ -458,21 +512,23 @@ fn all_of<T: Batch>([a, b, c, d, e]: [f64; 5]) -> [T; 5] {
 }
 
 /// All that the next solution but one is made of but the next one, piece by piece: a step from now the `x_j` are one place newer.
-struct Begun<'a, T: Batch, U> {
+struct Begun<'a, T: Batch, U, C> {
     predictor: &'a Predictor<T, U>,
     oldest: u32,
     by: Continuation,
     weights: &'a [T; 5],
+    among: PhantomData<C>,
 }
 
-impl<T: Batch, U: Components<T>> Formula<T> for Begun<'_, T, U> {
+impl<T: Batch, U: Components<T>, C: Continuations> Formula<T> for Begun<'_, T, U, C> {
     const SPARE: usize = 1;
 
     #[inline(always)]
     fn at<X: Piece<T>>(&mut self, i: usize) -> X {
-        match self.by {
-            Continuation::Eighth => eighth(self.predictor, self.oldest, i),
-            _ => earlier(self.predictor, self.oldest, self.weights, i),
+        if const { C::EIGHTH } && (const { !C::ODD && !C::CHOSEN } || self.by == Continuation::Eighth) {
+            eighth(self.predictor, self.oldest, i)
+        } else {
+            earlier(self.predictor, self.oldest, self.weights, i)
         }
     }
 }
@@ -481,8 +537,9 @@ impl<T: Batch, U: Components<T>> Formula<T> for Begun<'_, T, U> {
 #[inline(always)]
 fn eighth<T: Batch, U: Components<T>, X: Piece<T>>(predictor: &Predictor<T, U>, oldest: u32, i: usize) -> X {
     let at = |j: usize| X::of(predictor.row(oldest, j - 1), i);
-    let inner = at(4).times(T::of(BINOMIAL[3])).plus(T::of(BINOMIAL[2]), at(3).and(at(5)));
-    let outer = at(7).times(T::of(BINOMIAL[0])).plus(T::of(BINOMIAL[1]), at(2).and(at(6)));
+    let [a, b, c, d] = const { BINOMIAL };
+    let inner = at(4).times(T::of(d)).plus(T::of(c), at(3).and(at(5)));
+    let outer = at(7).times(T::of(a)).plus(T::of(b), at(2).and(at(6)));
     inner.and(outer.less(at(THROUGH)))
 }
 
@@ -494,10 +551,11 @@ fn earlier<T: Batch, U: Components<T>, X: Piece<T>>(
     weights: &[T; 5],
     i: usize,
 ) -> X {
+    let &[a, b, c, d, e] = weights;
     // no closures, which are called where there are many
     macro_rules! at {
         ($j:expr) => {
-            X::of(predictor.row(oldest, $j - 1), i)
+            X::of(predictor.row(oldest, const { $j - 1 }), i)
         };
     }
     macro_rules! difference {
@@ -505,9 +563,9 @@ fn earlier<T: Batch, U: Components<T>, X: Piece<T>>(
             at!(PAIRS[$pair]).less(at!(WINDOW - PAIRS[$pair]))
         };
     }
-    let inner = difference!(4).times(weights[4]).plus(weights[3], difference!(3));
-    let outer = difference!(2).times(weights[2]).plus(weights[1], difference!(1));
-    let last = at!(WINDOW).plus(-weights[0], at!(WINDOW - PAIRS[0]));
+    let inner = difference!(4).times(e).plus(d, difference!(3));
+    let outer = difference!(2).times(c).plus(b, difference!(1));
+    let last = at!(WINDOW).plus(-a, at!(WINDOW - PAIRS[0]));
     last.and(inner.and(outer))
 }
 
@@ -575,7 +633,7 @@ mod tests {
         solutions: impl IntoIterator<Item = f64>,
     ) {
         for x in solutions {
-            predictor.learn::<false>(by, &[1], None, &[x], false);
+            predictor.learn::<Any, false>(by, &[1], None, &[x], false);
             assert_eq!(predictor.latest(), [x], "{predictor:?}");
         }
     }
@@ -596,8 +654,8 @@ mod tests {
             // and along the fast path
             for step in 40..60 {
                 let x = [polynomial(step)];
-                let weights = predictor.weights(by);
-                let begun = predictor.begun::<Portable>(predictor.oldest, by, &weights);
+                let weights = predictor.weights::<Any>(by);
+                let begun = predictor.begun::<Any, Portable>(predictor.oldest, by, &weights);
                 let then = Predictor::then(&begun, &x, by, &weights);
                 let oldest = predictor.keep::<Portable>(predictor.oldest, &x);
                 predictor.set(&(then, oldest));

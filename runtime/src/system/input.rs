@@ -92,21 +92,30 @@ impl<C: AsRef<[f64]> + AsMut<[f64]> + Clone> Polynomial<C> {
                     .sum();
                 *x = sum * if n == 0 { 1.0 } else { 2.0 } / count as f64;
             }
-            let powers = in_powers(&chebyshev, count);
-            let size = values.iter().take(count).fold(of(sizes), |size, value| size.max(of(value).abs()));
-            sizes.as_mut()[component] = size;
-            let mut rest = chebyshev[count - 1].abs().max(chebyshev[count - 2].abs());
-            for (value, place) in between.iter().zip(places) {
-                let at = powers.iter().take(count).rev().fold(0.0, |sum, x| sum * place + x);
-                rest = rest.max((of(value) - at).abs());
-            }
-            // some units of roundoff are in all of them, and in the times that they are of
+            // some units of roundoff are in all values, and in the times that they are of
             let of_values = values.iter().take(count).map(of);
             let (least, most) = of_values.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), x| {
                 (if x < least { x } else { least }, if x > most { x } else { most })
             });
+            let size = of(sizes).max(least.abs()).max(most.abs());
+            sizes.as_mut()[component] = size;
             let by_time = (start.abs() + length.abs()) * ((most - least) / length).abs();
-            let rest = (rest - f64::EPSILON * (8.0 * size + 4.0 * by_time)).max(0.0);
+            let roundoff = f64::EPSILON * (8.0 * size + 4.0 * by_time);
+            let mut rest = chebyshev[count - 1].abs().max(chebyshev[count - 2].abs());
+            // What the tolerance does not tell from nothing is nothing: what the input holds in balance would be moved by that alone, and no step
+            // be short enough for a share of it to be right.
+            for x in chebyshev.iter_mut().take(count).skip(1).rev() {
+                if x.abs() > 0.5 * tolerance * size + roundoff {
+                    break;
+                }
+                *x = 0.0;
+            }
+            let powers = in_powers(&chebyshev, count);
+            for (value, place) in between.iter().zip(places) {
+                let at = powers.iter().take(count).rev().fold(0.0, |sum, x| sum * place + x);
+                rest = rest.max((of(value) - at).abs());
+            }
+            let rest = (rest - roundoff).max(0.0);
             if rest > 0.0 {
                 worst = worst.max(rest / size);
             }

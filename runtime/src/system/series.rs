@@ -440,8 +440,8 @@ impl<S: PowerSeries, T: Batch, R: Room> Series<S, T, R> {
     fn perturb(&mut self, start: &Start<'_, S, T>) {
         let Start { parameters, state, time, control, velocity, .. } = start;
         let (mut state, mut time) = (**state, [*time]);
-        perturb(state.as_mut());
-        perturb(&mut time);
+        perturb(state.as_mut(), 0);
+        perturb(&mut time, S::StateComponents::<T>::LENGTH);
         self.perturbed = Some(S::leading(parameters, &state, time[0], control, velocity).kept);
     }
 
@@ -530,7 +530,7 @@ impl<S: PowerSeries, T: Batch, R: Room> Terms for Series<S, T, R> {
         let mut perturbed = None;
         if let Some(kept) = &self.perturbed {
             let mut end = end;
-            perturb(end.as_mut());
+            perturb(end.as_mut(), S::StateComponents::<T>::LENGTH + 1);
             perturbed = Some(S::rate(kept, &end));
         }
         let defect = self.defect_at(&end, &slope, perturbed.as_ref(), of_lanes(step));

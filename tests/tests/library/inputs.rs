@@ -246,3 +246,66 @@ fn what_the_time_leaves_of_an_input_shortens_no_step() {
         );
     }
 }
+
+/// What is in balance has momenta of nothing but what rounding, or the tolerance, leaves of an input: of that no share is to be right.
+#[test]
+fn what_an_input_holds_in_balance_takes_long_steps() {
+    for (stiffness, tolerance) in [1.0, 2.0, 9.81]
+        .into_iter()
+        .flat_map(|stiffness| [1e-6, 1e-9, 1e-12].map(|tolerance| (stiffness, tolerance)))
+    {
+        let system = Sprung { mass: 1.0, stiffness };
+        let run = |push: &dyn Fn(f64) -> f64| {
+            let mut state = SprungState { position: vector![1.0], momentum: vector![0.0] };
+            let mut trajectory = system.adaptive(tolerance).unwrap();
+            let (mut asked, end) = (0, 4.0);
+            let input = |time: f64| {
+                asked += 1;
+                // a run that does not end is no report
+                assert!(asked < 100_000, "{stiffness} {tolerance:e}: asked at {time}");
+                SprungControl { push: push(time) }
+            };
+            let report = Run::new(&mut trajectory, &mut state).driven_by(input).to(end).unwrap();
+            (state.position.x, report.steps)
+        };
+        let (position, steps) = run(&|_| stiffness);
+        assert!((position - 1.0).abs() < 1e-13 && steps < 40, "{position} {steps}");
+        // of no pattern, far below the tolerance
+        let noise = |time: f64| (1e5 * time).sin() * 1e-4 * tolerance;
+        let (position, steps) = run(&|time| stiffness * (1.0 + noise(time)));
+        assert!((position - 1.0).abs() < tolerance && steps < 200, "{tolerance:e}: {position} {steps}");
+        let (position, steps) = run(&|time| if time < 1.0 { stiffness } else { -stiffness });
+        let exact = 2.0 * (3.0 * stiffness.sqrt()).cos() - 1.0;
+        assert!((position - exact).abs() < 10.0 * tolerance && steps < 400, "{position} {exact} {steps}");
+    }
+}
+
+/// Where terms cancel but for little, that little is known to a few digits, and no step is short enough for more.
+#[test]
+fn what_is_nearly_in_balance_takes_long_steps() {
+    for tolerance in [1e-6, 1e-9, 1e-12] {
+        for off in [1e-15, 1e-14, 1e-12, 1e-9, 1e-6] {
+            let system = Sprung { mass: 1.0, stiffness: 1.0 };
+            let mut state = SprungState { position: vector![1.0], momentum: vector![0.0] };
+            let mut trajectory = system.adaptive(tolerance).unwrap();
+            let run = Run::new(&mut trajectory, &mut state).with_control(SprungControl { push: 1.0 + off });
+            let steps = run.to(4.0).unwrap().steps;
+            let (moved, exact) = (state.position.x - 1.0, ((1.0 + off) - 1.0) * (1.0 - 4.0_f64.cos()));
+            assert!(
+                (moved - exact).abs() < 1e-15 + 10.0 * tolerance * off,
+                "{off:e}: {moved:e} for {exact:e}"
+            );
+            assert!(steps < 20, "{off:e} {tolerance:e}: {steps} steps");
+
+            // upright beside its pivot, held by a torque
+            let (weight, angle) = (2.0, 2.3_f64);
+            let system = Pendulum { inertia: 1.2, weight, damping: 0.1 };
+            let mut state = PendulumState { angle: UnitComplex::new(angle), momentum: vector![0.0] };
+            let mut trajectory = system.adaptive(tolerance).unwrap();
+            let control = PendulumControl { torque: weight * angle.sin() * (1.0 + off), shake: 0.0 };
+            let run = Run::new(&mut trajectory, &mut state).with_control(control);
+            let steps = run.to(4.0).unwrap().steps;
+            assert!(steps < 40, "{off:e} {tolerance:e}: {steps} steps");
+        }
+    }
+}

@@ -59,8 +59,8 @@ pub(super) struct DynamicTaylor {
 struct Series {
     functions: Arc<dyn SeriesFunctions>,
     frame: Vec<f64>,
-    /// That of a start that is rounded otherwise.
-    perturbed: Option<Vec<f64>>,
+    /// That of a start that is rounded otherwise, and the length of the state there.
+    perturbed: Option<(Vec<f64>, usize)>,
     /// Both operands of all products, order by order.
     operands: [Vec<Vec<f64>>; 2],
     coefficients: Vec<Vec<f64>>,
@@ -103,9 +103,9 @@ impl Terms for Series {
     fn defect(&mut self, at: &[f64; 1], step: &[f64; 1]) -> [f64; 1] {
         let [end, slope] = self.sum_and_slope(at[0]);
         let mut perturbed = None;
-        if let Some(frame) = &mut self.perturbed {
+        if let Some((frame, length)) = &mut self.perturbed {
             let (mut end, mut rate) = (end.clone(), end.clone());
-            perturb(&mut end);
+            perturb(&mut end, *length + 1);
             self.functions.rate(frame, &end, &mut rate);
             perturbed = Some(rate);
         }
@@ -175,13 +175,13 @@ impl Series {
     /// Keeps what a start is that rounding has left elsewhere.
     fn perturb(&mut self, given: Given<'_>) {
         let (mut state, mut time, mut frame) = (given.state.to_vec(), [given.time], self.frame.clone());
-        perturb(&mut state);
-        perturb(&mut time);
+        perturb(&mut state, 0);
+        perturb(&mut time, given.state.len());
         let given = Given { state: &state, time: time[0], ..given };
         let [mut start, mut change] = [0, 1].map(|order: usize| self.coefficients[order].clone());
         let mut events = std::vec![0.0; self.functions.events().len()];
         self.functions.leading(&mut frame, &given, [&mut start, &mut change, &mut events]);
-        self.perturbed = Some(frame);
+        self.perturbed = Some((frame, given.state.len()));
     }
 
     /// What the series come to a time `h` after the start, and their derivatives there.

@@ -63,6 +63,11 @@ fn bad_input_is_refused_with_a_message() {
             "take one of standard, midpoint, verlet",
         ),
         (&["run", "heavy_top", "--method", "rk5"], 2, "similar value exists: 'rk4'"),
+        (
+            &["run", "heavy_top", "--method", "hamilton-jacobi=6"],
+            2,
+            "`hamilton-jacobi` takes no number; orders",
+        ),
         (&["run", "heavy_top", "--method", "family=5/4"], 2, "`5/4` is not a fraction from 0 to 1"),
         (&["run", "heavy_top", "--method", "family=1/4"], 2, "`methods(…)` in its description asks for it"),
         (
