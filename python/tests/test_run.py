@@ -318,6 +318,10 @@ def test_controls(cart):
     coarse = cart.run([1, 0], 5, step=h, controls=law, every=10)
     with pytest.raises(ValueError, match="every=1"):
         coarse(0.5)
+    # a table holds other values between recorded states, too
+    coarse = cart.run([0, 0], 1, step=0.1, controls=([0.0, 0.5], [[2.0], [-2.0]]), every=10)
+    with pytest.raises(ValueError, match="every=1"):
+        coarse(0.5)
 
 
 def test_velocity_and_tangent(top, y0):
@@ -488,6 +492,10 @@ def test_orders_with_controls_that_are_functions_of_time():
     assert 3.5 < held[0] / held[1] < 4.5
     # steps that hold a control by themselves say nothing
     mass.run({}, 2, step=0.1, scheme="hamilton-jacobi", controls=[1.0])
+    # a law of the state is held over a step, of which a tolerance knows nothing
+    with pytest.warns(UserWarning, match="max_step"):
+        mass.run({}, 2, tolerance=1e-9, controls=lambda t, y: [-y.position[0]])
+    mass.run({}, 2, tolerance=1e-9, max_step=0.1, controls=lambda t, y: [-y.position[0]])
 
 
 def test_a_momentum_moves_with_its_control():

@@ -19,8 +19,9 @@
 //! `Ad*_{τ(x)} δa + ad*_ω a'`, `ω = dL τ_x δx`.
 
 use super::step::{Increment, Step};
-use crate::expr::{Arena, Derivative, Expr, Stage, Symbol, Vector, gradient};
+use crate::expr::{Arena, Derivative, Expr, Number, Stage, Symbol, Vector, gradient};
 use crate::model::{Parts, System};
+use crate::quantity::Kind;
 use crate::scheme::Derivatives;
 
 /// The perturbation of the next state with all that it depends on: linear in the perturbations, which are symbols.
@@ -49,12 +50,20 @@ impl<'a> Linearization<'a> {
         let controls = system.control_symbols();
         let control = perturbations(arena, &controls);
         // fields may be many: to derive with respect to them takes its time
-        let fields = if wanted.of_parameters() { system.field_symbols() } else { Vec::new() };
-        let parameters = perturbations(arena, &fields);
+        let fields = if wanted.of_parameters() { &system.parameters[..] } else { &[] };
+        let parameters = fields.iter().map(|field| perturbations(arena, &field.symbols));
+        let parameters: Vec<Vector<'a>> = parameters.collect();
         let perturbed = system.split_tangent(&state);
         let mut direction = state_direction(system, &perturbed);
         direction.extend(controls.into_iter().zip(control.iter()));
-        direction.extend(fields.into_iter().zip(parameters.iter()));
+        for (field, perturbation) in fields.iter().zip(&parameters) {
+            let change = match field.kind {
+                Kind::Symmetric(n) => symmetric_part(perturbation, n),
+                _ => perturbation.clone(),
+            };
+            direction.extend(field.symbols.iter().copied().zip(change.0));
+        }
+        let parameters = Vector::concat(&parameters);
 
         // the implicit function theorem
         let symbols = step.unknown.symbols();
@@ -77,6 +86,16 @@ impl<'a> Linearization<'a> {
         let next = partial.substitute(&found);
         Self { unknown, solution, partial, state, control, parameters, next }
     }
+}
+
+/// The symmetric part of a matrix, row by row: it is what steps are made of.
+fn symmetric_part<'a>(matrix: &Vector<'a>, n: usize) -> Vector<'a> {
+    let at = |i: usize, j: usize| matrix.0[i * n + j];
+    let entry = |k: usize| {
+        let (i, j) = (k / n, k % n);
+        if i == j { at(i, i) } else { (at(i, j) + at(j, i)).scale(Number::ratio(1, 2)) }
+    };
+    Vector((0..n * n).map(entry).collect())
 }
 
 /// Symbols for the perturbations of symbols.

@@ -77,6 +77,7 @@ pub(crate) fn dip<E>(
     const GOLDEN: f64 = 0.381_966_011_250_105_1;
     // with less of it left, it is the caller's to say whether that is rounding
     let rounding = 1e-12 * left.value.max(right.value);
+    let mut before = f64::INFINITY;
     for step in 0..MOST {
         let (to_left, to_right) = (middle.at - left.at, right.at - middle.at);
         // digits of a place where the slope is zero are half as many
@@ -90,12 +91,14 @@ pub(crate) fn dip<E>(
         let by = -0.5 * slope / bend;
         let least = middle.value - 0.25 * slope * slope / bend;
         let is_parabola = bend > 0.0 && by > -to_left && by < to_right;
-        // once the parabola is the function nearly, half of what is left is well above what it leaves out; at first much more has to be
+        // once the parabola is the function nearly, as the one before tells, half of what is left is well above what it leaves out; at first much
+        // more has to be
         let is_away = match step {
             0 => least > 0.9 * middle.value && least > 0.5 * (left.value.max(right.value) - least),
             1 => false,
-            _ => least > 0.5 * middle.value,
+            _ => least > 0.5 * middle.value && (least - before).abs() < 0.01 * least,
         };
+        before = least;
         if is_parabola && is_away && middle.value > rounding {
             return Ok(None);
         }
@@ -206,6 +209,14 @@ mod tests {
         let (found, values) = lowest(|x| 1.0 - (5.0 * (x - 0.37)).cos());
         let found = found.expect("a touch");
         assert!((found.at - 0.37).abs() < 1e-7 && found.value < 1e-14 && values < 30, "{found:?} {values}");
+        // wherever it is among the points, and not the same to both sides
+        for k in 0..400 {
+            let zero = 0.31 + 0.18 * f64::from(k) / 400.0;
+            let (found, values) = lowest(|x| ((2.0 * x + 0.4).cos() - (2.0 * zero + 0.4).cos()).powi(2));
+            let found = found.expect("a touch");
+            let is_zero = (2.0 * found.at + 0.4).cos() - (2.0 * zero + 0.4).cos();
+            assert!(is_zero.abs() < 1e-6 && values < 60, "{zero}: {found:?} {values}");
+        }
         // a pair of zeros, however close
         for depth in [1e-3, 1e-6, 1e-10] {
             let (found, values) = lowest(|x| (3.0 * (x - 0.41)).cosh() - 1.0 - depth);

@@ -8,7 +8,7 @@ use coadjoint::__private::Scalar;
 use coadjoint::composition::{Coefficients, Composed};
 use coadjoint::prelude::*;
 use coadjoint::scheme::{Family, TangentLift};
-use coadjoint::system::{Generated, Quantity, Role};
+use coadjoint::system::{Generated, Kind, Quantity, Role};
 use coadjoint::{Control, Side, State, System};
 use num_dual::Dual64;
 
@@ -134,13 +134,37 @@ where
     let (place, parameters, control) =
         (state.to_components(), system.to_parameters(), control.to_components());
     let start = perturbed(S::SIDE, S::State::QUANTITIES, place.as_ref(), input);
-    let parameters =
-        array(|i| Dual64::new(parameters.as_ref()[i], f64::from(u8::from(input == Input::Parameters(i)))));
+    let by = match input {
+        Input::Parameters(index) => unit_of_parameters(S::PARAMETERS, index),
+        _ => Vec::new(),
+    };
+    let parameters = array(|i| Dual64::new(parameters.as_ref()[i], by.get(i).copied().unwrap_or_default()));
     let control =
         array(|i| Dual64::new(control.as_ref()[i], f64::from(u8::from(input == Input::Control(i)))));
     let start = array(|i| start[i]);
     let end = M::step(&parameters, Dual64::from_re(step), &start, Dual64::from_re(time), &control);
     changed(S::SIDE, S::State::QUANTITIES, end.as_ref())
+}
+
+/// How the parameters that steps are made of change where one that the user gives does: of a symmetric matrix it is the symmetric part.
+fn unit_of_parameters(quantities: &[Quantity], index: usize) -> Vec<f64> {
+    let mut unit = vec![0.0; quantities.iter().map(|quantity| quantity.components.len()).sum()];
+    let mut from = 0;
+    for quantity in quantities {
+        let all = from..from + quantity.components.len();
+        from = all.end;
+        if !all.contains(&index) {
+            continue;
+        }
+        let of = index - all.start;
+        let mirrored = match quantity.kind {
+            Kind::SymmetricMatrix(n) => of % n * n + of / n,
+            _ => of,
+        };
+        unit[index] += 0.5;
+        unit[all.start + mirrored] += 0.5;
+    }
+    unit
 }
 
 /// A state's components, changed where a component of its change is what changes.
