@@ -6,6 +6,7 @@ use coadjoint_codegen::method::Step;
 use coadjoint_codegen::method::linearization::{Linearization, Matrices};
 use coadjoint_codegen::method::{family, tangent_lift};
 use coadjoint_codegen::model::{Slot, System};
+use coadjoint_codegen::quantity::Kind;
 use coadjoint_codegen::scheme::Derivatives;
 use coadjoint_codegen::scheme::{Member, Scheme};
 use coadjoint_support::precise::descriptions::{all_kinds, random_point};
@@ -71,6 +72,23 @@ fn trivialized(system: &System<'_>, state: &Column, change: &Column) -> Column {
         let tangent = Matrix::of_linear(n, |direction| derivative(&zero, direction, there));
         let dual = tangent.transpose();
         all.extend((&dual * &tangent).solve(&(&dual * &part)).0);
+    }
+    Column(all)
+}
+
+/// The change of the parameters that steps are made of, where those change so that users give: of symmetric matrices these are the symmetric parts.
+fn symmetric_parts(system: &System<'_>, change: &Column) -> Column {
+    let (mut all, mut from) = (Vec::new(), 0);
+    for field in &system.parameters {
+        let part = change.part(from, field.symbols.len());
+        from += field.symbols.len();
+        match field.kind {
+            Kind::Symmetric(n) => {
+                let mirrored = Column((0..n * n).map(|k| part.0[k % n * n + k / n].clone()).collect());
+                all.extend((&part + &mirrored).scale(&Real::ratio(1, 2)).0);
+            }
+            _ => all.extend(part.0),
+        }
     }
     Column(all)
 }
@@ -198,6 +216,7 @@ fn check<'a>(arena: &'a Arena, system: &System<'a>, step: &Step<'a>, seed: u64, 
     let closed = along.vector(next);
 
     let [by_state, by_control, by_parameters] = &directions;
+    let by_parameters = &symmetric_parts(system, by_parameters);
     let shifted = |by: &Column| {
         let by = &by.0[0];
         let mut shifted = changed(system, &point, &by_state.scale(by));

@@ -390,15 +390,6 @@ fn velocities_without_a_closed_form_are_found() {
         point.momentum_of(&vector![1.0, 0.0], &rest, 0.0, &Default::default()),
         Err(LegendreError { .. })
     ));
-
-    // the energy is kept over many steps near the speed of light, and the fixed-point iteration has no part in it
-    let mut state = point.with_velocity(&rest, &vector![0.0, 0.99]).expect("slower than light");
-    let before = point.energy(&state);
-    let mut stepper = point.stepper::<Order6<Exponential>>(0.05).expect("a stepper");
-    for _ in 0..20_000 {
-        stepper.step(&mut state).expect("a step");
-    }
-    assert!((point.energy(&state) - before).abs() < 1e-6 * before, "{:e}", point.energy(&state) - before);
 }
 
 /// Though no closed form tells where to begin.
