@@ -207,7 +207,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     /// `x_j`, from the latest on, for `j` up to [`WINDOW`].
     #[inline(always)]
     fn row(&self, oldest: u32, j: usize) -> &Row<T, U, 1> {
-        &self.ring[oldest.wrapping_sub(j as u32) as usize % WINDOW]
+        &self.ring[(oldest as usize + WINDOW - j) % WINDOW]
     }
 
     /// The latest that was kept.
