@@ -63,8 +63,6 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
     /// A place for each value of the step's [program](Self::PROGRAM), and one that is nobody's.
     type Places<X: Scalar>: Components<X>;
 
-    /// Whether it is made at run time: what the constants below say is not what it says of itself then.
-    const IS_MADE: bool = false;
     /// The lengths of the blocks of unknowns, each of one unit: what is solved for in one is solved to the digits of that.
     const BLOCKS: Blocks;
     /// [`BLOCKS`](Self::BLOCKS). Of a kernel that is made at run time they are known then, as is all that follows.
@@ -111,8 +109,6 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
     /// Whether the update is a Newton step, or a simplified one with nearly the true Jacobian, and the state after the step is made of the unknown itself,
     /// not of an evaluation near it, but for terms that the Jacobian leaves out.
     const IS_NEWTON: bool = false;
-    /// Whether it may be said by [`is_newton`](Self::is_newton): else there is no code for it.
-    const MAY_BE_NEWTON: bool = Self::IS_NEWTON || Self::IS_MADE;
     /// [`IS_NEWTON`](Self::IS_NEWTON)
     #[inline(always)]
     fn is_newton(&self) -> bool {
@@ -125,8 +121,6 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
     fn is_chord(&self) -> bool {
         Self::IS_CHORD
     }
-    /// Whether it may be said by [`finds_any`](Self::finds_any): else there is no code for it.
-    const MAY_FIND_ANY: bool = Self::IS_NEWTON && !Self::IS_CHORD || Self::IS_MADE;
     /// Whether iterations may contract to any solution, for their matrix is taken where they have come to.
     #[inline(always)]
     fn finds_any(&self) -> bool {
@@ -407,15 +401,22 @@ pub(crate) fn is_surely_finite<T: Batch, K: Kernel<T>>(state: &K::State, control
 /// Whether all numbers of a lane are finite.
 #[inline(always)]
 pub(crate) fn finite<T: Batch, C: Components<T>>(components: &C) -> T::Mask {
-    if const { C::LENGTH == 0 } {
-        return T::Mask::splat(true);
-    }
-    // nothing times what is not finite is not a number, and no sum of these is too large; four of them, for each has to wait for itself
-    let mut sums = [T::of(0.0); 4];
+    // four sums, for each has to wait for itself; the compiler knows that −0 is nothing to add
+    let mut sums = [T::of(-0.0); 4];
     let mut k = 0;
     while k < C::LENGTH {
-        sums[k % 4] = sums[k % 4] + T::of(0.0) * components.as_ref()[k];
+        sums[k % 4] = sums[k % 4] + components.as_ref()[k];
         k += 1;
     }
-    ((sums[0] + sums[1]) + (sums[2] + sums[3])).le(T::of(0.0))
+    let mut are_finite = ((sums[0] + sums[1]) + (sums[2] + sums[3])).is_finite();
+    if !are_finite.all() {
+        // the sum may be too large
+        are_finite = T::Mask::splat(true);
+        k = 0;
+        while k < C::LENGTH {
+            are_finite = are_finite & components.as_ref()[k].is_finite();
+            k += 1;
+        }
+    }
+    are_finite
 }

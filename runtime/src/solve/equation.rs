@@ -37,10 +37,6 @@ impl<'a> Facts<'a> {
 pub(super) trait Iterated<T, U> {
     /// What is known of a point where it was evaluated.
     type Evaluation: Copy;
-    /// See [`Kernel::MAY_BE_NEWTON`].
-    const MAY_BE_NEWTON: bool = true;
-    /// See [`Kernel::MAY_FIND_ANY`].
-    const MAY_FIND_ANY: bool = true;
     /// See [`Kernel::start`].
     fn start(&self) -> U;
     /// See [`Kernel::fixed_point_update`], and the evaluation that it is of.
@@ -51,8 +47,6 @@ pub(super) trait Iterated<T, U> {
 
 impl<T: Batch, K: Kernel<T>> Iterated<T, K::Unknown> for AtState<'_, T, K> {
     type Evaluation = Evaluation<K::Unknown, K::Iterate>;
-    const MAY_BE_NEWTON: bool = K::MAY_BE_NEWTON;
-    const MAY_FIND_ANY: bool = K::MAY_FIND_ANY;
 
     #[inline(always)]
     fn start(&self) -> K::Unknown {

@@ -29,7 +29,7 @@ pub(super) fn solve<T: Batch, U: Components<T>, E: Iterated<T, U> + ?Sized>(
     // of changes, one after the other, that are no rounding
     let (mut iterations, mut residual, mut sharp) = (T::all(0), T::of(0.0), [T::of(1.0), memory.rate]);
     let (mut last, mut round) = (T::of(FAR), 0);
-    let start = if const { E::MAY_FIND_ANY } && facts.finds_any { Some(equation.start()) } else { None };
+    let start = if facts.finds_any { Some(equation.start()) } else { None };
     let is_as_fast = memory.is_as_fast(convergence);
     let few = if convergence.is_newton() { FEW + 1 } else { 1 };
     let mut measures = !is_as_fast;
@@ -74,9 +74,7 @@ pub(super) fn solve<T: Batch, U: Components<T>, E: Iterated<T, U> + ?Sized>(
             };
             is_last = is_last | (again & !is_as_fast & is_small);
         }
-        if const { E::MAY_FIND_ANY }
-            && let Some(start) = &start
-        {
+        if let Some(start) = &start {
             // it may be another solution
             let is_far = !is_found_from_start(equation, blocks, start, &unknown, is_last);
             (is_last, again) = (is_last & !is_far, again & !is_far);

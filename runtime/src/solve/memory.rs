@@ -2,7 +2,7 @@
 
 use super::constants::{FORGETS, HARDLY, INTERVALS, LEFT, NEWTON, SHARP, SMALL, STRONG, TOLERANCE};
 use super::equation::Facts;
-use super::predictor::{Continuation, Continuations, Predictor};
+use super::predictor::{Continuation, Predictor};
 use crate::kernel::Kernel;
 use crate::scalar::{Batch, Components, Mask, Real};
 
@@ -179,7 +179,7 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
     /// Lanes that are solved as `quick` as there learn no more than there. It is compiled `IN_LINE`, or once for all kernels with as many
     /// unknowns.
     #[inline(always)]
-    pub(super) fn learn<C: Continuations, const IN_LINE: bool>(
+    pub(super) fn learn<const IN_LINE: bool>(
         &mut self,
         facts: &Facts<'_>,
         start: impl FnOnce() -> U,
@@ -201,8 +201,8 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
         } else {
             self.due -= 1;
         }
-        let start = if const { C::EIGHTH } && facts.convergence.is_newton() { Some(start()) } else { None };
-        self.predictor.learn::<C, IN_LINE>(facts.by, facts.blocks, start.as_ref(), solution, quick);
+        let start = if facts.convergence.is_newton() { Some(start()) } else { None };
+        self.predictor.learn::<IN_LINE>(facts.by, facts.blocks, start.as_ref(), solution, quick);
         self.settle();
     }
 

@@ -26,8 +26,6 @@
 //! Newton's method takes off so much that rounding is no matter, and is there for steps so large that sixteen of them are too many to look back:
 //! its guess is the polynomial through eight, of what solutions are apart from their equations' [first approximations](crate::kernel::Kernel::start).
 
-use core::marker::PhantomData;
-
 use super::constants::{LOST, LOW, SMALL, THROUGH};
 use crate::kernel::Kernel;
 use crate::scalar::blocks::{is_within, less, plus, select, weighted, weights};
@@ -79,51 +77,6 @@ impl Continuation {
     fn points(self) -> usize {
         if self == Self::Eighth { THROUGH } else { WINDOW }
     }
-}
-
-/// Which continuations there are to choose from, as far as that is known when code is compiled.
-pub(super) trait Continuations {
-    /// Whether [`Continuation::Eighth`] is one.
-    const EIGHTH: bool = false;
-    /// Whether [`Continuation::Odd`] is.
-    const ODD: bool = false;
-    /// Whether [`Continuation::Chosen`] is.
-    const CHOSEN: bool = false;
-}
-
-/// All of them.
-pub(super) struct Any;
-/// [`Continuation::Eighth`]
-struct Eighth;
-/// [`Continuation::Odd`]
-struct Odd;
-/// [`Continuation::Chosen`]
-struct Chosen;
-/// That of a kernel's solutions.
-pub(super) struct Of<T, K>(PhantomData<(T, K)>);
-
-impl Continuations for Any {
-    const EIGHTH: bool = true;
-    const ODD: bool = true;
-    const CHOSEN: bool = true;
-}
-
-impl Continuations for Eighth {
-    const EIGHTH: bool = true;
-}
-
-impl Continuations for Odd {
-    const ODD: bool = true;
-}
-
-impl Continuations for Chosen {
-    const CHOSEN: bool = true;
-}
-
-impl<T: Scalar, K: Kernel<T>> Continuations for Of<T, K> {
-    const EIGHTH: bool = K::MAY_BE_NEWTON;
-    const ODD: bool = K::IS_MADE || !(K::IS_NEWTON || K::IS_LONG);
-    const CHOSEN: bool = K::IS_MADE || !K::IS_NEWTON && K::IS_LONG;
 }
 
 /// Where the solutions before point, and the place that the next one will take: in registers while many steps are taken.
@@ -230,9 +183,9 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
 
     /// The weights of the differences.
     #[inline(always)]
-    pub(super) fn weights<C: Continuations>(&self, by: Continuation) -> [T; 5] {
+    pub(super) fn weights(&self, by: Continuation) -> [T; 5] {
         let usual = all_of(WEIGHTS);
-        if const { !C::CHOSEN } || by != Continuation::Chosen {
+        if by != Continuation::Chosen {
             return usual;
         }
         let calm = all_of(CALM);
@@ -251,14 +204,8 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
 
     /// What the solutions that there are contribute to the one after the next, where [all are of use](Self::is_full).
     #[inline(always)]
-    pub(super) fn begun<C: Continuations, P: Processor>(
-        &self,
-        oldest: u32,
-        by: Continuation,
-        weights: &[T; 5],
-    ) -> U {
-        let among = PhantomData::<C>;
-        computed::<P, _, _, _>(&mut Begun { predictor: self, oldest, by, weights, among }, &self.next)
+    pub(super) fn begun<P: Processor>(&self, oldest: u32, by: Continuation, weights: &[T; 5]) -> U {
+        computed::<P, _, _, _>(&mut Begun { predictor: self, oldest, by, weights }, &self.next)
     }
 
     /// The solution after this one, from what was [begun](Self::begun).
@@ -269,10 +216,9 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
 
     /// Where all solutions point with these weights, of which this is the latest.
     #[inline(always)]
-    fn by_all<C: Continuations>(&self, latest: &U, by: Continuation, weights: &[T; 5]) -> U {
+    fn by_all(&self, latest: &U, by: Continuation, weights: &[T; 5]) -> U {
         // begun a step ago; one by one, which is half as much to compile, and no slower where it is not the fast path
-        let (oldest, among) = (self.oldest.wrapping_sub(1), PhantomData::<C>);
-        let mut begun = Begun { predictor: self, oldest, by, weights, among };
+        let mut begun = Begun { predictor: self, oldest: self.oldest.wrapping_sub(1), by, weights };
         let mut next = *latest;
         let mut i = 0;
         while i < U::LENGTH {
@@ -289,7 +235,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         let (mut off, mut k) = ([T::of(0.0); 2], 0);
         // in one piece of code
         while k < 2 {
-            let next = self.by_all::<Chosen>(&latest, Continuation::Chosen, &weights[k]);
+            let next = self.by_all(&latest, Continuation::Chosen, &weights[k]);
             off[k] = weighted::<T, _>(sizes, &next, solution);
             k += 1;
         }
@@ -337,7 +283,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
 
     /// Takes one more solution, whatever there is: `IN_LINE`, or by a call.
     #[inline(always)]
-    pub(super) fn learn<C: Continuations, const IN_LINE: bool>(
+    pub(super) fn learn<const IN_LINE: bool>(
         &mut self,
         by: Continuation,
         blocks: &[usize],
@@ -358,7 +304,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         let sizes = &weights::<T, _>(blocks, solution);
         let (kept, next) = (&kept, &next);
         let learn = Learn { predictor: self, by, start, solution, kept, next, is_near, sizes, quick };
-        if const { IN_LINE } { learn.learned::<C, IN_LINE>(by) } else { T::dispatch(learn) }
+        if const { IN_LINE } { learn.learned::<IN_LINE>(by) } else { T::dispatch(learn) }
     }
 
     /// Takes the first solution after a state that no step has led to: there is nothing to compare it with.
@@ -371,7 +317,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
 
     /// Predicts the next solution, where this is the latest.
     #[inline(always)]
-    fn predict<C: Continuations>(&mut self, latest: &U, by: Continuation) {
+    fn predict(&mut self, latest: &U, by: Continuation) {
         let most = T::of(THROUGH as f64);
         let is_full = self.are_all(by);
         self.is_full = is_full.all();
@@ -381,7 +327,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         }
         // in the order in which the fast path adds
         if is_full.any() {
-            next = select(is_full, &self.by_all::<C>(latest, by, &self.weights::<C>(by)), &next);
+            next = select(is_full, &self.by_all(latest, by, &self.weights(by)), &next);
         }
         self.next = next;
     }
@@ -418,7 +364,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
             j += 1;
         }
         if self.remembers() {
-            self.predict::<Any>(&self.latest(), by);
+            self.predict(&self.latest(), by);
         } else {
             self.is_full = false;
         }
@@ -448,12 +394,8 @@ impl<T: Batch, U: Components<T>> Work for Learn<'_, T, U> {
 
     #[inline(always)]
     fn done(self) {
-        // what the compiler knows of them saves a third
-        match self.by {
-            Continuation::Eighth => self.learned::<Eighth, false>(Continuation::Eighth),
-            Continuation::Odd => self.learned::<Odd, false>(Continuation::Odd),
-            Continuation::Chosen => self.learned::<Chosen, false>(Continuation::Chosen),
-        }
+        let by = self.by;
+        self.learned::<false>(by);
     }
 }
 
@@ -462,13 +404,13 @@ impl<T: Batch, U: Components<T>> Learn<'_, T, U> {
     /// learns, others beside it make no difference to: where all were of use and the step was as `quick` as on the fast path, it would have been
     /// taken there.
     #[inline(always)]
-    fn learned<C: Continuations, const IN_LINE: bool>(self, by: Continuation) {
+    fn learned<const IN_LINE: bool>(self, by: Continuation) {
         let Self { predictor, start, solution, kept, next, sizes, quick, .. } = self;
         let mut is_near = T::Mask::splat(false);
         if predictor.is_full || const { T::LANES > 1 } {
             let is_full = predictor.are_all(by);
             // of steps that are learned in line there are no others
-            if const { !IN_LINE && C::CHOSEN } && by == Continuation::Chosen {
+            if const { !IN_LINE } && by == Continuation::Chosen {
                 predictor.choose(sizes, solution, is_full & !quick);
             }
             is_near = is_full & (quick | self.is_near);
@@ -492,7 +434,7 @@ impl<T: Batch, U: Components<T>> Learn<'_, T, U> {
             predictor.count = T::select(is_near, before, predictor.count);
         }
         predictor.push(kept);
-        predictor.predict::<C>(kept, by);
+        predictor.predict(kept, by);
     }
 }
 
@@ -512,20 +454,19 @@ fn all_of<T: Batch>([a, b, c, d, e]: [f64; 5]) -> [T; 5] {
 }
 
 /// All that the next solution but one is made of but the next one, piece by piece: a step from now the `x_j` are one place newer.
-struct Begun<'a, T: Batch, U, C> {
+struct Begun<'a, T: Batch, U> {
     predictor: &'a Predictor<T, U>,
     oldest: u32,
     by: Continuation,
     weights: &'a [T; 5],
-    among: PhantomData<C>,
 }
 
-impl<T: Batch, U: Components<T>, C: Continuations> Formula<T> for Begun<'_, T, U, C> {
+impl<T: Batch, U: Components<T>> Formula<T> for Begun<'_, T, U> {
     const SPARE: usize = 1;
 
     #[inline(always)]
     fn at<X: Piece<T>>(&mut self, i: usize) -> X {
-        if const { C::EIGHTH } && (const { !C::ODD && !C::CHOSEN } || self.by == Continuation::Eighth) {
+        if self.by == Continuation::Eighth {
             eighth(self.predictor, self.oldest, i)
         } else {
             earlier(self.predictor, self.oldest, self.weights, i)
@@ -633,7 +574,7 @@ mod tests {
         solutions: impl IntoIterator<Item = f64>,
     ) {
         for x in solutions {
-            predictor.learn::<Any, false>(by, &[1], None, &[x], false);
+            predictor.learn::<false>(by, &[1], None, &[x], false);
             assert_eq!(predictor.latest(), [x], "{predictor:?}");
         }
     }
@@ -654,8 +595,8 @@ mod tests {
             // and along the fast path
             for step in 40..60 {
                 let x = [polynomial(step)];
-                let weights = predictor.weights::<Any>(by);
-                let begun = predictor.begun::<Any, Portable>(predictor.oldest, by, &weights);
+                let weights = predictor.weights(by);
+                let begun = predictor.begun::<Portable>(predictor.oldest, by, &weights);
                 let then = Predictor::then(&begun, &x, by, &weights);
                 let oldest = predictor.keep::<Portable>(predictor.oldest, &x);
                 predictor.set(&(then, oldest));

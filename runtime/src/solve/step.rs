@@ -4,7 +4,7 @@ use super::constants::{FAR, FEW};
 use super::equation::{Begun, BegunStep, Ended, Facts, Iterated, ended};
 use super::memory::{Convergence, Memory, is_left};
 use super::newton::{Newton, is_found_from_start};
-use super::predictor::{Any, Continuation, Guess, Of, Predictor};
+use super::predictor::{Continuation, Guess, Predictor};
 use super::rescue::{Rescue, Rescued};
 use super::{Solution, fixed_point, go_on};
 use crate::error::StepError;
@@ -200,7 +200,7 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
     {
         let Memory { predictor, tolerance, .. } = &mut self.memory;
         let Clock { start, step, taken } = clock;
-        let weights = predictor.weights::<Of<T, K>>(Continuation::of(&self.kernel));
+        let weights = predictor.weights(Continuation::of(&self.kernel));
         Lent::new(frame, predictor.remembered(), *tolerance, &weights, (start, step, taken), most)
     }
 
@@ -273,7 +273,7 @@ fn fast_path<P: Processor, T: Batch, K: Kernel<T>>(
     let step = kernel.begin(state, time, control);
     let (mut point, oldest) = ahead.guess;
     let mut start = None;
-    if const { K::MAY_BE_NEWTON } && kernel.is_newton() {
+    if kernel.is_newton() {
         let first = kernel.start(state, &step);
         (point, start) = (plus(&first, T::of(1.0), &point), Some(first));
     }
@@ -285,7 +285,7 @@ fn fast_path<P: Processor, T: Batch, K: Kernel<T>>(
             break evaluation;
         }
         unknown = apart::<T, _>(&kernel.fixed_point_update(state, &step, &point, &evaluation));
-        if const { !K::MAY_BE_NEWTON } || !kernel.is_newton() {
+        if !kernel.is_newton() {
             if is_within::<T, _>(kernel.blocks(), &point, &unknown, memory.tolerance).all() {
                 break evaluation;
             }
@@ -306,8 +306,7 @@ fn fast_path<P: Processor, T: Batch, K: Kernel<T>>(
         (last, more) = (T::select(is_last, last, now), more + 1);
     };
     if const { !OneStep::<T, K>::IS_EXPLICIT } {
-        if const { K::MAY_FIND_ANY }
-            && let Some(start) = &start
+        if let Some(start) = &start
             && kernel.finds_any()
         {
             let equation = &AtState { kernel, state, step: &step };
@@ -318,8 +317,8 @@ fn fast_path<P: Processor, T: Batch, K: Kernel<T>>(
         // before what follows from this solution, for the next step waits for it
         kept = start.map_or(unknown, |start| apart::<T, _>(&less(&unknown, &start)));
         let by = Continuation::of(kernel);
-        let weights = memory.predictor.weights::<Of<T, K>>(by);
-        let begun = memory.predictor.begun::<Of<T, K>, P>(oldest, by, &weights);
+        let weights = memory.predictor.weights(by);
+        let begun = memory.predictor.begun::<P>(oldest, by, &weights);
         then = apart_here::<T, _>(&Predictor::then(&begun, &kept, by, &weights));
     }
     let next = apart::<T, _>(&kernel.finish(state, &step, &unknown, &evaluation));
@@ -448,7 +447,7 @@ impl<T: Batch, U: Components<T>> Work for SlowPath<'_, T, U> {
             }
             if good.any() {
                 let Solution { unknown, quick, rate, .. } = &solution;
-                memory.learn::<Any, false>(facts, || Iterated::start(equation), unknown, *quick, *rate);
+                memory.learn::<false>(facts, || Iterated::start(equation), unknown, *quick, *rate);
             } else {
                 memory.forget();
             }
@@ -474,7 +473,7 @@ fn guess<T: Batch, U: Components<T>, E: Iterated<T, U> + ?Sized>(
     memory: &Memory<T, U>,
 ) -> U {
     let (remembers, is_due) = (memory.predictor.remembers(), memory.is_due());
-    let is_newton = const { E::MAY_BE_NEWTON } && facts.convergence.is_newton();
+    let is_newton = facts.convergence.is_newton();
     if remembers && !is_newton {
         return if is_due { memory.predictor.latest() } else { memory.predictor.next() };
     }
@@ -490,7 +489,7 @@ fn predicted<T: Batch, U: Components<T>, E: Iterated<T, U> + ?Sized>(
     memory: &Memory<T, U>,
 ) -> U {
     let next = memory.predictor.next();
-    let is_newton = const { E::MAY_BE_NEWTON } && facts.convergence.is_newton();
+    let is_newton = facts.convergence.is_newton();
     if is_newton { plus(&equation.start(), T::of(1.0), &next) } else { next }
 }
 
@@ -611,7 +610,7 @@ fn advanced<T: Batch, K: Kernel<T>, const IN_LINE: bool>(
     if !(inside & finite).all() {
         return None;
     }
-    memory.learn::<Of<T, K>, IN_LINE>(facts, || equation.start(), unknown, *quick, *rate);
+    memory.learn::<IN_LINE>(facts, || equation.start(), unknown, *quick, *rate);
     let (iterations, residual) = (*iterations, *residual);
     Some(Advanced { state: next, iterations, residual })
 }

@@ -126,7 +126,6 @@ impl<T: Called, const U: usize> Kernel<T> for DynamicKernel<T, U> {
     // never asked for: what rounding leaves is computed by a function of its own
     type Places<X: Scalar> = [X; 0];
 
-    const IS_MADE: bool = true;
     const BLOCKS: Blocks = &[];
     // what is compiled once more takes long, and a call is nothing beside what is interpreted
     const IS_LONG: bool = true;
