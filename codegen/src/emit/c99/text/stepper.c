@@ -68,6 +68,7 @@ U_FN S_status X_init(X_stepper *s, const S_parameters *parameters, REAL step_siz
 //end
     s->step_size = step_size;
     s->knows_left = 0;
+    S_clear(&s->left);
 //if derivative
     s->parameters = valid;
 //end
@@ -113,7 +114,8 @@ U_FN S_status X_advance(X_stepper *s, const S_state *x TIMED_ARGUMENT CONTROL_AR
     s->is_whole = 0;
     for (i = 0; i < COUNT && status == U_OK; i++) {
         status = X_part_advance(&s->parts[i], &at TIMED_PART CONTROL_CALL, known, next);
-        at = *next;
+        if (status == U_OK)
+            at = *next;
     }
     s->is_whole = status == U_OK;
     return status;
