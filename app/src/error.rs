@@ -75,7 +75,7 @@ pub enum FileError {
     #[error("{} exists and {}: `--force` replaces it", .0.display(), .1)]
     Taken(PathBuf, String),
     /// Two files of one command would be the same, which are these to it.
-    #[error("{} would be both {} and {}", .0.display(), .1[0], .1[1])]
+    #[error("{} {}", .0.display(), shared(.1))]
     Shared(PathBuf, [&'static str; 2]),
     /// Another process uses it.
     #[error("{} is in use by another run", .0.display())]
@@ -212,4 +212,9 @@ impl FileError {
     pub(crate) fn damaged(path: &Path, what: &str) -> Self {
         Self::Damaged(path.to_owned(), what.to_owned())
     }
+}
+
+/// Says what is wrong with a file that is these two to a command.
+fn shared([one, other]: &[&'static str; 2]) -> String {
+    if one == other { "is named twice".to_owned() } else { format!("would be both {one} and {other}") }
 }

@@ -629,8 +629,8 @@ fn report(
 ) -> Result<(), Error> {
     let EnsembleSummary { drawn, failures, failed, members, member_steps, width, seconds, .. } = summary;
     let Job { method, retraction, .. } = spec.job;
-    let retraction = if method.has_retraction() { retraction.name() } else { "" };
-    writeln!(words, "scheme: {method} {retraction}, order {}", spec.job.order_of_step(entry))?;
+    let retraction = if method.has_retraction() { format!(" {}", retraction.name()) } else { String::new() };
+    writeln!(words, "scheme: {method}{retraction}, order {}", spec.job.order_of_step(entry))?;
     for (i, drawn) in drawn.iter().enumerate() {
         let title = if i == 0 { "drawn: " } else { "       " };
         let (least, greatest) = drawn.range;

@@ -169,6 +169,8 @@ mod tests {
         assert!(message.contains("top.html exists and was made by `play"), "{message}");
         let message = refused(&["top.html"], None);
         assert!(message.contains("would be both what is shown and the page"), "{message}");
+        let message = refused(&["top.json", "top.json"], Some("two.html"));
+        assert!(message.contains("top.json is named twice"), "{message}");
         std::fs::write(directory.join("notes.html"), "mine").expect("writable");
         let message = refused(&["top.json"], Some("notes.html"));
         assert!(message.contains("was not made by this program"), "{message}");

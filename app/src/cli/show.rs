@@ -35,7 +35,7 @@ pub(crate) struct ShowArguments {
     /// Rust as the macro emits it, or one header that brings its solver
     #[arg(long, value_enum, default_value_t)]
     pub(crate) language: Language,
-    /// Of a header: what the step makes of the map, where it was generated [default: standard]
+    /// Of a header: what the step makes of the map, where it was generated [default: as `run` takes it]
     #[arg(long, value_parser = MethodParser)]
     pub(crate) method: Option<Method>,
     /// Of a header: 2, or 4, 6, 8, 10 [default: 2]
@@ -108,16 +108,22 @@ fn steps(entry: &Entry, arguments: &ShowArguments) -> Result<Vec<Steps>, SetupEr
         return Ok(Vec::new());
     }
     let retractions = retraction.map_or_else(|| Retraction::of(entry), |retraction| vec![retraction]);
-    let (method, order) = (method.unwrap_or_default(), order.unwrap_or_default());
-    let gamma = match order {
-        _ if method.is_of_order() => &[],
-        Order::Two => &[][..],
-        Order::Four => Suzuki4::GAMMA,
-        Order::Six => KahanLi6::GAMMA,
-        Order::Eight => KahanLi8::GAMMA,
-        Order::Ten => SofroniouSpaletta10::GAMMA,
-    };
     let of = |retraction: Retraction| {
+        let method = match (method, order) {
+            (Some(method), _) => method,
+            // as `run` takes it
+            (None, Some(order)) => simulate::usual_method(entry, retraction, order),
+            (None, None) => Method::default(),
+        };
+        let order = order.unwrap_or_default();
+        let gamma = match order {
+            _ if method.is_of_order() => &[],
+            Order::Two => &[][..],
+            Order::Four => Suzuki4::GAMMA,
+            Order::Six => KahanLi6::GAMMA,
+            Order::Eight => KahanLi8::GAMMA,
+            Order::Ten => SofroniouSpaletta10::GAMMA,
+        };
         // that it can be composed
         let whole = simulate::scheme(method, retraction, order)?;
         let base = if gamma.is_empty() { whole } else { simulate::scheme(method, retraction, Order::Two)? };
@@ -232,7 +238,10 @@ mod tests {
             assert!(code.contains("static inline") && code.contains("typedef double"), "{}", entry.name);
             let code = shown(&entry.name, &["--retraction", "cay", "--order", "4", "--float", "--compact"]);
             let code = code.expect("a header");
-            assert!(code.contains("typedef float") && code.contains("gamma[5]"), "{}", entry.name);
+            // of one solve where `run` takes that
+            let usual = simulate::usual_method(entry, Retraction::Cayley, Order::Four);
+            assert_eq!(code.contains("gamma[5]"), usual == Method::Standard, "{}", entry.name);
+            assert!(code.contains("typedef float"), "{}", entry.name);
             let error =
                 shown(&entry.name, &["--method", "family=1/7"]).expect_err("it is not there").to_string();
             assert!(error.contains("there is no step `Family<") && error.contains(", 1, 7>`"), "{error}");

@@ -6,7 +6,7 @@ use super::font;
 use super::palette::Color;
 use super::scene::{Anchor, Point, Scene, Shape, Text};
 use super::{Figure, Key, Panel, Series, Style};
-use crate::units::range;
+use crate::units::{range, wrapped};
 
 /// Sizes of letters.
 const TITLE: f64 = 17.0;
@@ -36,6 +36,13 @@ struct Placed<'a> {
 /// The room before and behind the frames of a row or a column.
 type Margin = (f64, f64);
 
+/// Breaks a title into lines that fit.
+fn lines(title: &str, room: f64) -> Vec<String> {
+    let (letters, width) = (title.chars().count(), font::width(title, TITLE));
+    let share = 0.95 * room / width;
+    wrapped(title, if width > room { (share * letters as f64) as usize } else { letters })
+}
+
 pub(super) fn scene(figure: &Figure) -> Scene {
     let columns = figure.columns.max(1);
     let placed = placed(figure, columns);
@@ -53,9 +60,12 @@ pub(super) fn scene(figure: &Figure) -> Scene {
     let full = EDGE + across.iter().map(|(before, behind)| before + width + behind).sum::<f64>() + EDGE;
     let mut scene = Scene { width: full, height: 0.0, shapes: Vec::new() };
     let mut y = EDGE;
+    for line in lines(&figure.title, full - 2.0 * EDGE) {
+        scene.text((0.5 * full, y + TITLE), &line, TITLE, Anchor::Middle);
+        y += TITLE + 4.0;
+    }
     if !figure.title.is_empty() {
-        scene.text((0.5 * full, y + TITLE), &figure.title, TITLE, Anchor::Middle);
-        y += TITLE + 14.0;
+        y += 10.0;
     }
     if figure.key == Key::Above {
         // a panel's only series is what its axis says

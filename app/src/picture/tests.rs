@@ -47,6 +47,29 @@ fn figures_without_any_variation_can_be_drawn() {
     }
 }
 
+#[test]
+fn titles_that_are_long_stand_in_lines() {
+    let panel = panel("a", Axis::linear("y"), Color::X, Style::Line, &[0.0, 1.0]);
+    let words = "momentum ± 2%, ".repeat(30);
+    let figure = Figure { title: words.trim_end_matches([',', ' ']).to_owned(), ..figure(vec![panel]) };
+    let scene = layout::scene(&figure);
+    let titles: Vec<_> = scene
+        .shapes
+        .iter()
+        .filter_map(|shape| match shape {
+            scene::Shape::Text(text) if text.text.contains('±') => Some(text),
+            _ => None,
+        })
+        .collect();
+    assert!(titles.len() > 2, "{titles:?}");
+    for title in &titles {
+        assert!(font::width(&title.text, title.size) < scene.width, "{title:?}");
+    }
+    assert!(titles.windows(2).all(|pair| pair[1].at.1 >= pair[0].at.1 + pair[0].size), "{titles:?}");
+    let joined = titles.iter().map(|title| title.text.as_str()).collect::<Vec<_>>().join(" ");
+    assert_eq!(joined, figure.title);
+}
+
 /// Lists the texts between a tag's beginning and the next quotation mark.
 fn all<'a>(svg: &'a str, beginning: &str) -> Vec<&'a str> {
     svg.split(beginning).skip(1).filter_map(|rest| rest.split('"').next()).collect()

@@ -196,6 +196,13 @@ impl Job {
         self.steps as f64 * self.step.abs() + self.rest
     }
 
+    /// A time of the run: its end where it is that but for rounding.
+    pub(crate) fn within(&self, time: f64) -> f64 {
+        let end = self.duration();
+        let is_end = (time.abs() - end).abs() <= 4.0 * f64::EPSILON * end;
+        if is_end { end.copysign(time) } else { time }
+    }
+
     /// Tells whether members of an ensemble are stepped side by side, in the processor's registers: with the standard
     /// step, and what is composed of it.
     pub fn is_side_by_side(&self) -> bool {

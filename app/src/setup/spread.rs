@@ -89,10 +89,13 @@ impl Variation {
                     let values = &values[target.slots.clone()];
                     let widths: Vec<f64> = values
                         .iter()
-                        .zip(percent)
+                        .zip(&percent)
                         .map(|(value, percent)| 0.01 * percent * value.abs())
                         .collect();
-                    if widths.iter().all(|width| *width == 0.0) {
+                    // that no percent spread nothing is what was asked for
+                    if percent.iter().any(|percent| *percent > 0.0)
+                        && widths.iter().all(|width| *width == 0.0)
+                    {
                         all.notes
                             .push(format!("`--spread {spread}` spreads nothing: `{}` is zero", target.name));
                     }

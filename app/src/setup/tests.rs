@@ -484,6 +484,8 @@ fn spreads_are_told_in_words() {
     }
     let (variation, _) = variation("planar_pendulum", &["momentum=1%"]).expect("valid");
     assert_eq!(variation.notes, ["`--spread momentum=1%` spreads nothing: `momentum` is zero"]);
+    let (variation, _) = self::variation("heavy_top", &["momentum=0%"]).expect("valid");
+    assert!(variation.notes.is_empty());
 }
 
 #[test]

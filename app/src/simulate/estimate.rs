@@ -50,8 +50,11 @@ impl Distance {
         largest
     }
 
-    /// Names what it is measured in: `rad of attitude`, or the size of a quantity, `|position|`.
+    /// Names what it is measured in: `rad of attitude`, or the size of a quantity, `|position|`; nothing where there is none.
     pub(crate) fn unit(&self) -> String {
+        if self.quantity.is_empty() {
+            return String::new();
+        }
         if self.is_angle { format!("rad of {}", self.quantity) } else { format!("|{}|", self.quantity) }
     }
 

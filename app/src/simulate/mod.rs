@@ -229,7 +229,8 @@ pub(crate) fn simulate_within(
         let (start, is_forward) = (stepper.time(), stepper.step_size() > 0.0);
         // where the shorter step starts, the steps before it have ended
         let is_ahead = |time: &f64| !is_rest || if is_forward { *time > start } else { *time < start };
-        let times = within.times.into_iter().flat_map(Times::iter).filter(is_ahead);
+        let times =
+            within.times.into_iter().flat_map(Times::iter).map(|time| job.within(time)).filter(is_ahead);
         let value = |of: &Observable, state: &[f64], time: f64| {
             of.value(&*system, state, time, &looker.controls(state, time))
         };

@@ -21,10 +21,14 @@ pub(super) fn stepper(
     step: f64,
 ) -> Result<erased::Stepper, RunError> {
     let new = || erased::Adaptive::new(system.clone(), tolerance.value());
-    let (series, of_events) = (Mutex::new(new()?), new()?);
+    let (series, of_events) = (new()?, new()?);
+    let nothing = series.snapshot();
+    let series = Mutex::new(series);
     let stepper = erased::Stepper::from_fn(system.clone(), step, move |_, at: &At<'_>, next| {
-        // what is left behind by one that failed is set anew
+        // Nothing is remembered of the step before, and of one that failed: where a run goes on from a checkpoint, or looks within a step,
+        // it goes on to the same bytes.
         let mut series = series.lock().unwrap_or_else(PoisonError::into_inner);
+        series.restore(&nothing).map_err(|_| StepError::NotFinite)?;
         Stepping::set_time(&mut *series, at.time);
         let mut state = at.state.to_vec();
         let (run, end) = (Run::new(&mut *series, &mut state), at.time + at.step);

@@ -216,6 +216,25 @@ fn states_are_written_at_times_of_ones_own() {
     );
     let every = scratch.read(&scratch.named("every", "heavy_top-", ".csv"));
     assert_eq!(column(&every, 0), [0.0, 0.1, 0.2, 0.30000000000000004, 0.4, 0.5]);
+    // the end is one of the times where it is that but for rounding
+    for (of, step, duration, times, expected) in [
+        ("thirds", "0.03", "0.3", ["--every-seconds", "0.1"], &[0.0, 0.1, 0.2, 0.3][..]),
+        (
+            "sevenths",
+            "0.07",
+            "0.35",
+            ["--every-seconds", "0.07"],
+            &[0.0, 0.07, 0.14, 0.21000000000000002, 0.28, 0.35],
+        ),
+        ("beyond", "0.05", "1", ["--at", "0.5,1.0000000000000002"], &[0.5, 1.0]),
+    ] {
+        let run = ["run", "heavy_top", "--step", step, "--duration", duration, "--out", of];
+        scratch.prints(&[&run[..], &times].concat());
+        let table = scratch.read(&scratch.named(of, "heavy_top-", ".csv"));
+        let (times, expected) = (column(&table, 0), expected.to_vec());
+        assert!(times.len() == expected.len(), "{of}: {times:?}");
+        assert!(times.iter().zip(&expected).all(|(a, b)| (a - b).abs() <= 1e-16), "{of}: {times:?}");
+    }
     // the end is that of the run without
     scratch.prints(&[&run[..], &["--out", "steps"]].concat());
     let steps = scratch.read(&scratch.named("steps", "heavy_top-", ".csv"));

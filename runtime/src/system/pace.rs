@@ -229,6 +229,7 @@ impl Pace {
         sizes.copy_from_slice(known);
         (self.time, self.taken, self.from) = ([*high, *low], count(*taken), f64::NAN);
         self.last = Some(*last).filter(|last| *last != 0.0);
+        (self.cut, self.shorter) = (0, (0, 0.0));
         Ok(())
     }
 }

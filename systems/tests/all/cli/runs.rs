@@ -367,14 +367,19 @@ fn interrupted(scratch: &Scratch, run: &[&str]) -> Option<Output> {
 #[test]
 #[cfg(unix)]
 fn an_interrupted_run_goes_on_to_the_same_bytes() {
-    let (top, quadrotor) =
-        (&["heavy_top"][..], &["quadrotor", "--set", "thrust=20", "--set", "moment_x=1e-6"][..]);
-    for (format, of) in [("csv", top), ("json", top), ("parquet", top), ("json", quadrotor)] {
-        let (system, stem) = (of[0], format!("{}-cayley", of[0]));
+    let (top, quadrotor) = (
+        &["heavy_top", "--retraction", "cayley"][..],
+        &["quadrotor", "--retraction", "cayley", "--set", "thrust=20", "--set", "moment_x=1e-6"][..],
+    );
+    // steps that are made of several Taylor steps each
+    let taylor = &["heavy_top", "--tolerance", "1e-10", "--step", "0.5"][..];
+    for (format, of) in [("csv", top), ("json", top), ("parquet", top), ("json", quadrotor), ("csv", taylor)]
+    {
+        let (system, scheme) = (of[0], of[1].trim_start_matches('-'));
         // a signal that comes late, as it may where much else is done, finds a longer run in its midst
-        let tried = ["300", "3000", "30000"].into_iter().find_map(|duration| {
-            let scratch = Scratch::new(&format!("resume-{system}-{format}-{duration}"));
-            let run = ["--retraction", "cayley", "--duration", duration, "--every", "30", "--format", format];
+        let tried = ["300", "3000", "30000", "300000"].into_iter().find_map(|duration| {
+            let scratch = Scratch::new(&format!("resume-{system}-{scheme}-{format}-{duration}"));
+            let run = ["--duration", duration, "--every", "30", "--format", format];
             // pictures take longer than the run
             let plot = if format == "csv" { &["--plot"][..] } else { &[] };
             let run = [&["run"], of, &run[..], plot].concat();
@@ -388,7 +393,8 @@ fn an_interrupted_run_goes_on_to_the_same_bytes() {
             "{printed}"
         );
         // what was computed is written
-        assert!(scratch.path(&format!("out/{stem}.{format}")).exists());
+        let ending = format!(".{format}");
+        assert!(scratch.files("out").iter().any(|name| name.ends_with(&ending)));
 
         scratch.prints(&["resume", "run.ck"]);
         assert_eq!(scratch.files("out"), scratch.files("whole"));
@@ -400,4 +406,21 @@ fn an_interrupted_run_goes_on_to_the_same_bytes() {
         // nothing is left to resume
         assert_eq!(scratch.files(".").iter().filter(|name| name.starts_with("run.ck")).count(), 0);
     }
+}
+
+/// Steps to a tolerance stay as they are where events are looked for within them.
+#[test]
+fn events_change_no_step_to_a_tolerance() {
+    let scratch = Scratch::new("taylor-events");
+    let run = ["run", "heavy_top", "--tolerance", "1e-10", "--step", "0.5", "--duration", "50"];
+    scratch.prints(&[&run[..], &["--out", "bare"]].concat());
+    scratch.prints(&[&run[..], &["--out", "watched", "--event", "z = gamma_z - 0.123"]].concat());
+    let read = |of: &str| {
+        let names = scratch.files(of);
+        let name =
+            names.iter().find(|name| name.ends_with(".csv") && !name.contains(".events.")).expect("a table");
+        fs::read(scratch.path(&format!("{of}/{name}"))).expect("readable")
+    };
+    assert!(scratch.files("watched").iter().any(|name| name.ends_with(".events.csv")));
+    assert!(read("bare") == read("watched"), "rows differ");
 }
