@@ -2,7 +2,7 @@
 
 #[cfg(feature = "description")]
 use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
@@ -65,8 +65,9 @@ impl DescriptionArguments {
     }
 }
 
+/// Makes a system from its description, of several the one of this name.
 #[cfg(feature = "description")]
-fn described(file: &std::path::Path, system: Option<&str>) -> Result<Entry, Error> {
+pub(super) fn described(file: &Path, system: Option<&str>) -> Result<Entry, Error> {
     use coadjoint_dynamic::{DescriptionError, Model};
     use std::sync::Arc;
 
@@ -104,7 +105,7 @@ fn described(file: &std::path::Path, system: Option<&str>) -> Result<Entry, Erro
 }
 
 #[cfg(not(feature = "description"))]
-fn described(_: &std::path::Path, _: Option<&str>) -> Result<Entry, Error> {
+pub(super) fn described(_: &Path, _: Option<&str>) -> Result<Entry, Error> {
     Err(SetupError::new("this program was built without the feature `description`").into())
 }
 

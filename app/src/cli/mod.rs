@@ -260,7 +260,6 @@ impl Command {
             Command::Run(RunArguments { chosen, .. }) | Command::View(run::ViewArguments { chosen, .. }) => {
                 (&chosen.described, chosen.system.as_deref())
             }
-            Command::Resume(arguments) => (&arguments.described, None),
             // without a system, that file is to be written
             Command::Init(arguments) if arguments.system.is_some() => {
                 (&arguments.described, arguments.system.as_deref())

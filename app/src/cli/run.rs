@@ -186,6 +186,7 @@ fn planned(motion: &Motion<'_>, chosen: &ChosenRun, config: &RunConfig) -> Plan 
         |own: &Vec<String>, described: &Vec<String>| if own.is_empty() { described } else { own }.clone();
     Plan {
         system: motion.entry.name.clone(),
+        description: motion.entry.file.clone(),
         setup: motion.setup.clone(),
         job: motion.job,
         every: 1,
@@ -229,7 +230,8 @@ pub(crate) fn resume(
     stdout: &mut dyn Write,
 ) -> Result<(), Error> {
     let path = &arguments.checkpoint;
-    let session = Session::resume(catalogue, path)?;
+    let description = arguments.described.file().map(PathBuf::as_path);
+    let session = Session::resume(catalogue, path, description)?;
     let mut console = arguments.output.on(stdout, session.is_for_stdout())?;
     report(session.run(&console)?, Some(path), &mut console)
 }
@@ -323,8 +325,7 @@ fn report(done: FinishedRun, checkpoint: Option<&Path>, console: &mut Console<'_
     let words = console.words();
     writeln!(words, "interrupted at {end} s")?;
     if let Some(path) = checkpoint {
-        let file = entry.file.as_ref().map(|file| format!("--description {} ", file.display()));
-        writeln!(words, "`{} resume {}{}` resumes it", program(), file.unwrap_or_default(), path.display())?;
+        writeln!(words, "`{} resume {}` resumes it", program(), path.display())?;
     }
     Err(Error::Interrupted)
 }

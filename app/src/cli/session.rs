@@ -11,6 +11,7 @@ use coadjoint::erased;
 use serde::{Deserialize, Serialize};
 
 use super::console::Console;
+use super::description::described;
 use super::interrupt;
 use super::progress::Progress;
 use super::report::RunSummary;
@@ -38,6 +39,8 @@ const INTERVAL: u64 = 1024;
 pub struct Plan {
     /// The system's name.
     pub system: String,
+    /// The file that describes it, if it is none of the program's.
+    pub description: Option<PathBuf>,
     /// Parameters and initial state.
     pub setup: Setup,
     /// Scheme, step and number of steps.
@@ -195,20 +198,21 @@ impl Session {
         Ok(Self { entry, system, plan, files, guard, recorders, rows, from: None, end, ended: false })
     }
 
-    /// Resumes a run from its checkpoint.
+    /// Resumes a run from its checkpoint. The file that describes its system is this one, or the one that it began with.
     ///
     /// # Errors
-    /// If it is in use, is not what was written, is of other steps than those taken here, or a file of the run cannot be
-    /// written.
-    pub fn resume(catalogue: &Catalogue, path: &Path) -> Result<Self, Error> {
+    /// If it is in use, is not what was written, is of other steps than those taken here, the system's description cannot be read, or a
+    /// file of the run cannot be written.
+    pub fn resume(catalogue: &Catalogue, path: &Path, description: Option<&Path>) -> Result<Self, Error> {
         interrupt::listen();
         let (store, saved) = CheckpointStore::open::<Saved>(path)?;
         let Saved { plan, recorders, checkpoint: from, version } = saved;
-        let entry = catalogue.find(&plan.system).ok_or_else(|| {
-            let (name, file) = (&plan.system, path.display());
-            let resume = format!("`resume --description FILE {file}` takes the file that describes it");
-            SetupError::new(format!("there is no system `{name}`: {resume}"))
-        })?;
+        let file = description.or(plan.description.as_deref());
+        let described = file.map(|file| described(file, Some(&plan.system))).transpose()?;
+        let entry = match &described {
+            Some(entry) => entry,
+            None => catalogue.system(&plan.system)?,
+        };
         let lengths = |setup: &Setup| (setup.parameters.len(), setup.state.len(), setup.controls.len());
         if lengths(&plan.setup) != lengths(&entry.example) || version != self::version(entry, &plan) {
             let what = "was made by another version of the program or the system, whose steps may differ in their \
@@ -588,6 +592,7 @@ mod tests {
         let checkpoint = Some(Checkpoint { state: setup.state.clone(), memory: Vec::new() });
         let plan = Plan {
             system: of.to_owned(),
+            description: None,
             setup,
             job,
             every: 1,
@@ -614,7 +619,7 @@ mod tests {
             let mut file = self::file("heavy_top");
             change(&mut file);
             drop(CheckpointStore::begin(&path, Vec::new(), &file).expect("writable"));
-            let resumed = Session::resume(catalogue(), &path);
+            let resumed = Session::resume(catalogue(), &path, None);
             let _ = std::fs::remove_file(&path);
             let _ = std::fs::remove_file(rows_of(&path));
             resumed.map(|_| ()).map_err(|error| error.to_string())

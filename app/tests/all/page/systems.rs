@@ -91,6 +91,7 @@ impl Asked {
         };
         let plan = Plan {
             system: self.0.name.clone(),
+            description: None,
             setup: self.0.example.clone(),
             job,
             watch: true,

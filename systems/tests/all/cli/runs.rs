@@ -363,6 +363,12 @@ fn interrupted(scratch: &Scratch, run: &[&str]) -> Option<Output> {
     Some(output)
 }
 
+/// The second of two is run.
+#[cfg(unix)]
+const BODIES: &str = "
+#[lie_poisson_system(group = SO3, advected(gamma: R3), potential = gamma.z)] struct Other { #[inertia] inertia: Vector3<f64> }
+#[lie_poisson_system(group = SO3)] struct Body { #[inertia] inertia: Vector3<f64> }";
+
 /// Ctrl-C ends a run cleanly; gone on with, it writes the same bytes as one that was not interrupted.
 #[test]
 #[cfg(unix)]
@@ -373,12 +379,21 @@ fn an_interrupted_run_goes_on_to_the_same_bytes() {
     );
     // steps that are made of several Taylor steps each
     let taylor = &["heavy_top", "--tolerance", "1e-10", "--step", "0.5"][..];
-    for (format, of) in [("csv", top), ("json", top), ("parquet", top), ("json", quadrotor), ("csv", taylor)]
-    {
+    let described =
+        &["body", "--description", "two.rs", "--set", "inertia=1,2,3", "--set", "momentum=1,1,0.1"];
+    for (format, of) in [
+        ("csv", top),
+        ("json", top),
+        ("parquet", top),
+        ("json", quadrotor),
+        ("csv", taylor),
+        ("csv", &described[..]),
+    ] {
         let (system, scheme) = (of[0], of[1].trim_start_matches('-'));
         // a signal that comes late, as it may where much else is done, finds a longer run in its midst
         let tried = ["300", "3000", "30000", "300000"].into_iter().find_map(|duration| {
             let scratch = Scratch::new(&format!("resume-{system}-{scheme}-{format}-{duration}"));
+            fs::write(scratch.path("two.rs"), BODIES).expect("writable");
             let run = ["--duration", duration, "--every", "30", "--format", format];
             // pictures take longer than the run
             let plot = if format == "csv" { &["--plot"][..] } else { &[] };

@@ -66,6 +66,7 @@ pub(crate) fn paper(
         };
         let plan = Plan {
             system: SYSTEM.to_owned(),
+            description: None,
             setup: setup.clone(),
             job,
             columns: Vec::new(),
