@@ -17,6 +17,8 @@ use super::number::Number;
 #[derive(Default)]
 struct Store {
     nodes: Vec<Node>,
+    /// The stage of each node: asked of one after the other, it would take as long as all that they are made of.
+    stages: Vec<Stage>,
     index: FxHashMap<Node, Id>,
     symbols: Vec<SymbolInfo>,
     /// Role names of nodes, and in which order they were given.
@@ -128,7 +130,15 @@ impl Arena {
             self.finite.set(false);
         }
         let id = Id(store.nodes.len() as u32);
+        let stage = match &node {
+            Node::Symbol(symbol) => store.symbols[symbol.0 as usize].stage,
+            node => {
+                let stages = node.operands().map(|operand| store.stages[operand.0 as usize]);
+                stages.max().unwrap_or(Stage::Parameters)
+            }
+        };
         store.nodes.push(node.clone());
+        store.stages.push(stage);
         store.index.insert(node, id);
         id
     }
@@ -450,6 +460,11 @@ impl Arena {
             }
         }
         order
+    }
+
+    /// The earliest stage at which a node's value is known.
+    pub(super) fn stage(&self, id: Id) -> Stage {
+        self.store.borrow().stages[id.0 as usize]
     }
 
     /// Whether any symbol that occurs in these nodes is one that is looked for.

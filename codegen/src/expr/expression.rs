@@ -131,12 +131,7 @@ impl<'a> Expr<'a> {
 
     /// The earliest stage at which its value is known.
     pub fn stage(self) -> Stage {
-        let mut latest = Stage::Parameters;
-        self.arena.any_symbol([self.id], |symbol| {
-            latest = latest.max(self.arena.symbol_info(symbol).stage);
-            false
-        });
-        latest
+        self.arena.stage(self.id)
     }
 
     /// Whether any of the symbols occurs.
